@@ -1,0 +1,174 @@
+/* The C interface of the Vesper physics engine: what a client calls.
+ *
+ * The engine knows no physics. It holds named, typed, unit-checked property arrays that belong to
+ * the client, and applies laws to them, each an independently compiled library.
+ *
+ * Threads: an engine is thread-compatible: one call at a time, from any thread; engines are
+ * independent of each other. During `vesper_engine_advance` the arrays belong to the engine and
+ * every other call on it returns VESPER_BUSY.
+ * Errors: every fallible call returns a status and fills the optional `error`; misuse is a status,
+ * in release too. Out-parameters are untouched on failure.
+ * Memory: arrays are borrowed from add or rebind until remove, rebind or destroy. Strings and
+ * structs passed in are copied. A returned `const char*` is static or lives as long as the engine
+ * or library it describes.
+ */
+#ifndef VESPER_ENGINE_H_
+#define VESPER_ENGINE_H_
+
+#include "vesper/law.h"
+#include "vesper/types.h"
+
+#ifdef __cplusplus
+#define VESPER_NOEXCEPT noexcept
+extern "C" {
+#else
+#define VESPER_NOEXCEPT
+#endif
+#if defined(__GNUC__)
+#define VESPER_API __attribute__((visibility("default")))
+#else
+#define VESPER_API
+#endif
+
+typedef struct vesper_engine vesper_engine;
+typedef struct vesper_provider vesper_provider;
+typedef struct vesper_prepared_library vesper_prepared_library;
+
+/** How an engine is made. Start with `vesper_engine_config_init`. */
+typedef struct vesper_engine_config {
+  uint32_t struct_size;
+  uint32_t threads;         /**< Threads of `parallel_for`, the caller's included; default 1. */
+  uint32_t validate;        /**< 1: laws run on guarded copies and are held to their declaration. */
+  uint32_t probe_timeout_ms;/**< For the throw-away probe of a library; default 5000. */
+  const char* law_path;     /**< Folders searched for bare law names, separated by ':'. */
+  const char* probe_path;   /**< The `vesper-probe` program; null: beside the engine library. */
+  /** Receives log lines of engine and laws, on the calling thread; null: discarded. */
+  void (*log)(void* user, uint32_t level, const char* message);
+  void* log_user;
+} vesper_engine_config;
+
+/** What is known about one loaded law. */
+typedef struct vesper_law_info {
+  uint32_t struct_size;
+  vesper_library_id library_id;
+  const char* library; /**< Name of its library. */
+  const char* name;
+  const char* version;
+  const char* doc;
+  vesper_phase phase;
+  uint32_t stages;
+  uint32_t use_count;
+  uint32_t parameter_count;
+  const vesper_property_use* uses;
+  const vesper_parameter_desc* parameters;
+  uint64_t calls;       /**< Of its `advance`, since it was loaded. */
+  uint64_t nanoseconds; /**< Spent in these calls, wall clock; for people, never for the world. */
+} vesper_law_info;
+
+/** One row of the layout table: how this build lays out the structs of the contract. */
+typedef struct vesper_layout_entry {
+  const char* struct_name; /**< e.g. "vesper_error" */
+  const char* field;       /**< null: the row gives the struct's size. */
+  uint32_t offset;
+  uint32_t size;
+} vesper_layout_entry;
+
+VESPER_API uint32_t vesper_abi_version(void) VESPER_NOEXCEPT;
+/** Compiler, flags and version of this build; static. */
+VESPER_API const char* vesper_build_info(void) VESPER_NOEXCEPT;
+/** "OK", "INVALID_ARGUMENT", …; "UNKNOWN" for a number that is no status. Static. */
+VESPER_API const char* vesper_status_name(vesper_status status) VESPER_NOEXCEPT;
+/** Sizes and offsets of all structs of the contract, for bindings to check theirs against. */
+VESPER_API const vesper_layout_entry* vesper_abi_layout(uint32_t* count) VESPER_NOEXCEPT;
+
+/** The standard prototypes, "si-f64" and "si-f32"; null for any other name. Static. */
+VESPER_API const vesper_prototype* vesper_prototype_standard(const char* name) VESPER_NOEXCEPT;
+
+VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
+VESPER_API vesper_status vesper_engine_create(const vesper_engine_config* config,
+                                              const vesper_prototype* prototype,
+                                              vesper_engine** out,
+                                              vesper_error* error) VESPER_NOEXCEPT;
+/** Unloads every law and frees the engine. Null is fine. */
+VESPER_API void vesper_engine_destroy(vesper_engine* engine) VESPER_NOEXCEPT;
+
+/** The engine's property provider; borrowed, lives as long as the engine. */
+VESPER_API vesper_provider* vesper_engine_property_provider(vesper_engine* engine) VESPER_NOEXCEPT;
+
+/** Registers the client's array for a property of the prototype.
+ *  data: (value_count x components) of the prototype's type. Without `indices` row i is value i and
+ *  `value_count == object_count`. With `indices` (object_count), row i is value indices[i]; such a
+ *  shared property is read-only to laws, and the engine expands it into a dense column. */
+VESPER_API vesper_status vesper_provider_add_physical_property(
+    vesper_provider* provider, const char* name, void* data, uint64_t value_count,
+    const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
+/** Same arguments: the arrays grew, shrank or moved. All properties of a kind must agree on
+ *  `object_count` again by the next `advance`. */
+VESPER_API vesper_status vesper_provider_rebind_physical_property(
+    vesper_provider* provider, const char* name, void* data, uint64_t value_count,
+    const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
+/** Refused with ACCESS_CONFLICT while a loaded law needs the property. */
+VESPER_API vesper_status vesper_provider_remove_physical_property(
+    vesper_provider* provider, const char* name, vesper_error* error) VESPER_NOEXCEPT;
+/** Fills `out` (whose struct_size the caller has set) with the property as it is bound. */
+VESPER_API vesper_status vesper_provider_find_physical_property(
+    const vesper_provider* provider, const char* name, vesper_property* out,
+    vesper_error* error) VESPER_NOEXCEPT;
+/** Says that values were edited in place: raises versions, re-checks references, re-expands shared
+ *  values, and lets laws rebuild what they cache. Not needed for what laws read afresh each step,
+ *  unless the property is a reference or indexed. `names` null: all. */
+VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const char* const* names,
+                                               uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
+
+/** Opens a law library without an engine, on any thread: finds it (a bare name `x` is searched as
+ *  `libvesper_law_x.so` in `config->law_path`, anything with a '/' is used as is), checks that the
+ *  ELF file is complete, copies it to a private file named by its content, opens the copy in a
+ *  throw-away probe process, then here, and checks its tables. */
+VESPER_API vesper_status vesper_library_prepare(const vesper_engine_config* config,
+                                                const char* library,
+                                                vesper_prepared_library** out,
+                                                vesper_error* error) VESPER_NOEXCEPT;
+/** Closes a prepared library that no engine took. Null is fine. */
+VESPER_API void vesper_library_discard(vesper_prepared_library* prepared) VESPER_NOEXCEPT;
+/** Name in the library's own table; lives as long as `prepared`, or the library it became. */
+VESPER_API const char* vesper_library_name(const vesper_prepared_library* prepared) VESPER_NOEXCEPT;
+
+/** Activates a prepared library: instant, between frames. Takes `prepared` on success only. */
+VESPER_API vesper_status vesper_engine_load_prepared(vesper_engine* engine,
+                                                     vesper_prepared_library* prepared,
+                                                     const vesper_parameter* parameters,
+                                                     uint32_t count, vesper_library_id* out,
+                                                     vesper_error* error) VESPER_NOEXCEPT;
+/** Prepare and activate in one call. */
+VESPER_API vesper_status vesper_engine_load_physics_law(vesper_engine* engine, const char* library,
+                                                        const vesper_parameter* parameters,
+                                                        uint32_t count, vesper_library_id* out,
+                                                        vesper_error* error) VESPER_NOEXCEPT;
+VESPER_API vesper_status vesper_engine_unload_physics_law(vesper_engine* engine,
+                                                          vesper_library_id library,
+                                                          vesper_error* error) VESPER_NOEXCEPT;
+/** The i-th law of a loaded library (in the engine's precision); NOT_FOUND past the last. */
+VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
+                                                vesper_library_id library, uint32_t index,
+                                                vesper_law_info* out,
+                                                vesper_error* error) VESPER_NOEXCEPT;
+
+/** Applies all laws for `steps` steps of `dt` [time unit]: all steps count, or none. On failure
+ *  the engine is FAULTED, its time has not moved, and written arrays are undefined: restore them
+ *  and call `vesper_engine_clear_fault`, or unload the library named in `error`. */
+VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
+                                               vesper_error* error) VESPER_NOEXCEPT;
+VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
+                                                   vesper_error* error) VESPER_NOEXCEPT;
+/** Steps done since create. */
+VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER_NOEXCEPT;
+
+/** XXH3-64 over the step count, then the bound properties in prototype order, rows in row order,
+ *  -0 as +0. Indexed properties are hashed as rows, not as values. */
+VESPER_API vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_t* out,
+                                                  vesper_error* error) VESPER_NOEXCEPT;
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* VESPER_ENGINE_H_ */

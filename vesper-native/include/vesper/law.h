@@ -1,0 +1,150 @@
+/* The contract of a law library.
+ *
+ * A law library is a shared object that exports exactly one symbol, `vesper_law_library_entry`.
+ * It may hold several laws (a suite) that share state made by `open` and dropped by `close`. A law
+ * sees only the arrays it declared, a step, and the host table; it keeps no state of its own that
+ * evolves: what evolves is a property. Private memory may only cache what `create` and `bind` can
+ * rebuild, so that snapshot, rollback, replay and hot unload need no code of the law.
+ *
+ * Rules of the house: no threads, no signals, no exit or abort, no exception across the boundary,
+ * no change of floating-point modes that outlives a call. Rows `[0, row_count)` only. Same inputs,
+ * same bits: sums in a fixed order, whatever the number of threads.
+ */
+#ifndef VESPER_LAW_H_
+#define VESPER_LAW_H_
+
+#include "vesper/types.h"
+#include "vesper/units.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/** Severity of a log line. */
+#define VESPER_LOG_DEBUG 1u
+#define VESPER_LOG_INFO 2u
+#define VESPER_LOG_WARNING 3u
+#define VESPER_LOG_ERROR 4u
+
+/** A law's private data, made by `create`; a suite's, made by `open`. Opaque to the engine. */
+typedef struct vesper_law vesper_law;
+typedef struct vesper_suite vesper_suite;
+
+/** What the engine lends to laws. Valid from `open` until `close` of the library. */
+typedef struct vesper_host {
+  uint32_t struct_size;
+  uint32_t reserved;
+  void* context; /**< Hand back as first argument. */
+  /** Writes one line to the engine's log. Advance thread only. */
+  void (*log)(void* context, uint32_t level, const char* message);
+  /** Calls `body(user, begin, end)` for disjoint ranges that cover [0, count), perhaps at the same
+   *  time, and returns when all are done. Ranges are `grain` long (the last may be shorter) and do
+   *  not depend on the number of threads; `grain` 0 lets the engine choose one. `body` must not
+   *  throw and must not call back into the host. */
+  void (*parallel_for)(void* context, uint64_t count, uint64_t grain,
+                       void (*body)(void* user, uint64_t begin, uint64_t end), void* user);
+} vesper_host;
+
+/** One step, as laws see it. Owned by the engine, valid during the call. */
+typedef struct vesper_step {
+  uint32_t struct_size;
+  uint32_t stage;       /**< 0 before the first force evaluation (integrators), else 1..stage_count. */
+  uint32_t stage_count; /**< Force evaluations in this step. */
+  uint32_t reserved;
+  double dt;      /**< [time unit of the prototype], > 0. */
+  double time;    /**< At the beginning of the step: index * dt. */
+  uint64_t index; /**< Steps done before this one. */
+} vesper_step;
+
+/** `vesper_property_use.flags`: absent is fine; then `bind` sees null data and 0 rows. */
+#define VESPER_USE_OPTIONAL 1u
+
+/** A property that a law uses. Matched by name; kind, type, components and unit must agree. */
+typedef struct vesper_property_use {
+  uint32_t struct_size;
+  vesper_scalar_type scalar_type;
+  const char* name;
+  const char* kind;
+  uint32_t components;
+  vesper_access access;
+  vesper_unit unit;
+  uint32_t flags;
+  uint32_t reserved;
+} vesper_property_use;
+
+/** A parameter of a law: a named double with unit and range, fixed while the library is loaded. */
+typedef struct vesper_parameter_desc {
+  uint32_t struct_size;
+  uint32_t reserved;
+  const char* name;
+  const char* doc;
+  vesper_unit unit;
+  double default_value;
+  double minimum; /**< Inclusive. */
+  double maximum; /**< Inclusive. */
+} vesper_parameter_desc;
+
+/** `vesper_law_desc.claims`: what the law promises; the law test kit holds it to it. */
+#define VESPER_CLAIM_MOMENTUM 1u         /**< Its forces on the bodies sum to zero. */
+#define VESPER_CLAIM_ANGULAR_MOMENTUM 2u /**< Its moments on the bodies sum to zero. */
+#define VESPER_CLAIM_TRANSLATION 4u      /**< Moving the origin changes nothing else. */
+#define VESPER_CLAIM_ROTATION 8u         /**< Turning the world turns the forces. */
+
+/** Describes one law in one precision. Static data of the library. */
+typedef struct vesper_law_desc {
+  uint32_t struct_size;
+  vesper_scalar_type real_type; /**< Prototype it serves: VESPER_F32, VESPER_F64, or 0 for any. */
+  const char* name;             /**< snake_case, unique within the library and precision. */
+  const char* version;          /**< major.minor.patch */
+  const char* doc;              /**< One line. */
+  vesper_phase phase;
+  uint32_t stages; /**< INTEGRATE: force evaluations per step, 1..16. Else 0. */
+  uint32_t use_count;
+  uint32_t parameter_count;
+  const vesper_property_use* uses;
+  const vesper_parameter_desc* parameters;
+  uint32_t claims;
+  uint32_t reserved;
+
+  /** Makes the law. `parameters`: one value per declared parameter, in that order, range-checked
+   *  by the engine. Called between frames. */
+  vesper_status (*create)(const vesper_host* host, vesper_suite* suite, const double* parameters,
+                          vesper_law** out, vesper_error* error);
+  /** Hands over the arrays: one entry per declared use, in that order; borrowed until the next
+   *  `bind` or `destroy`. Called before the first `advance` and again after each rebind or touch. */
+  vesper_status (*bind)(vesper_law* law, const vesper_property* properties, vesper_error* error);
+  /** Applies the law for one stage of one step. */
+  vesper_status (*advance)(vesper_law* law, const vesper_step* step, vesper_error* error);
+  /** Drops the law. Null is never passed. */
+  void (*destroy)(vesper_law* law);
+  /** Potential energy [J] of the present state that this law's forces derive from, or null if
+   *  they derive from none. */
+  vesper_status (*potential_energy)(vesper_law* law, double* out, vesper_error* error);
+} vesper_law_desc;
+
+/** What a law library is. Static data; the engine checks `abi_version` before it reads on. */
+typedef struct vesper_law_library {
+  uint32_t struct_size;
+  uint32_t abi_version; /**< VESPER_ABI_VERSION it was built with. */
+  const char* name;     /**< Name of the library, as in libvesper_law_NAME.so. */
+  uint32_t law_count;
+  uint32_t reserved;
+  const vesper_law_desc* laws;
+  /** Optional pair (both or none): state that the library's laws share, one per engine. */
+  vesper_status (*open)(const vesper_host* host, vesper_suite** out, vesper_error* error);
+  void (*close)(vesper_suite* suite);
+} vesper_law_library;
+
+/** The one exported symbol of a law library. */
+#define VESPER_LAW_LIBRARY_ENTRY "vesper_law_library_entry"
+#if defined(__GNUC__)
+#define VESPER_LAW_EXPORT __attribute__((visibility("default")))
+#else
+#define VESPER_LAW_EXPORT
+#endif
+VESPER_LAW_EXPORT const vesper_law_library* vesper_law_library_entry(void);
+
+#ifdef __cplusplus
+}
+#endif
+#endif /* VESPER_LAW_H_ */
