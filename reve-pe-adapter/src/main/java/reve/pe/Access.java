@@ -1,0 +1,14 @@
+package reve.pe;
+
+/**
+ * What a law does to a property. A set of these says what one law does (read and write together
+ * mean in-place update), or the most that any law may do.
+ */
+public enum Access {
+    /** Reads the rows. */
+    READ,
+    /** Writes every row before it returns. */
+    WRITE,
+    /** Adds to the rows; the engine zeroes them and sums over laws. */
+    ACCUMULATE
+}

@@ -1,0 +1,69 @@
+package reve.pe;
+
+import java.util.List;
+import java.util.Map;
+
+/**
+ * Holds named property arrays that belong to the client and applies laws to them, each an
+ * independently compiled library. Thread-compatible: one call at a time, from any thread
+ * ({@link #prepare} excepted). Every method throws {@link PhysicsException} for what the engine
+ * refuses and {@link IllegalStateException} once it is closed.
+ */
+public interface PhysicsEngine extends AutoCloseable {
+    /** The engine's property provider; lives as long as the engine. */
+    PhysicalPropertyProvider propertyProvider();
+
+    /** What the engine was made for. */
+    Prototype prototype();
+
+    /**
+     * Opens and checks a law library without activating it. Any thread, also during an advance;
+     * takes milliseconds.
+     *
+     * @param library a bare name, searched in the law path, or a path with a '/', used as is
+     */
+    PreparedLibrary prepare(String library);
+
+    /**
+     * Activates a prepared library, between frames. Takes it on success only.
+     *
+     * @param parameters by {@code parameter} or {@code law.parameter}; the rest keep their default
+     * @return id of the library within this engine; at least 1, never reused
+     */
+    int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters);
+
+    /** Prepares and activates in one call; see the two. */
+    default int loadPhysicsLaw(String library, Map<String, Double> parameters) {
+        try (PreparedLibrary prepared = prepare(library)) {
+            return loadPhysicsLaw(prepared, parameters);
+        }
+    }
+
+    /** Unloads a library with all its laws. */
+    void unloadPhysicsLaw(int libraryId);
+
+    /** The loaded laws: libraries in the order of loading, laws in the order of their library. */
+    List<PhysicsLaw> laws();
+
+    /**
+     * Applies all laws for {@code steps} steps of {@code dt}: all count, or none. On failure the
+     * engine is faulted, its time has not moved and what laws may write is undefined: restore it
+     * and call {@link #clearFault}, or unload the library that the exception names.
+     *
+     * @param dt length of a step [time unit of the prototype], above 0
+     */
+    void advance(double dt, int steps);
+
+    /** Makes a faulted engine ready again; the client has restored the arrays. */
+    void clearFault();
+
+    /** Steps done since the engine was made. */
+    long stepCount();
+
+    /** Hash of step count and bound properties: equal hashes mean equal states. */
+    long stateHash();
+
+    /** Unloads every law and frees the engine. May be called twice. */
+    @Override
+    void close();
+}

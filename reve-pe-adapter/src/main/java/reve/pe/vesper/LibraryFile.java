@@ -1,0 +1,67 @@
+package reve.pe.vesper;
+
+import java.io.IOException;
+import java.io.InputStream;
+import java.io.OutputStream;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.attribute.BasicFileAttributes;
+import java.nio.file.attribute.FileTime;
+import java.security.DigestInputStream;
+import java.security.MessageDigest;
+import java.security.NoSuchAlgorithmException;
+import java.util.HexFormat;
+import java.util.List;
+import org.jspecify.annotations.Nullable;
+import reve.pe.PhysicsException;
+import reve.pe.Status;
+
+/** A law library on disk: where a name leads to, and what its bytes are. */
+final class LibraryFile {
+    private LibraryFile() {
+    }
+
+    /** What tells one content of a file from another without reading it. */
+    record Stamp(@Nullable Object key, long size, FileTime modified) {
+    }
+
+    /**
+     * Finds a library by the rule of {@code vesper_library_prepare}; the path is absolute.
+     *
+     * @throws PhysicsException NOT_FOUND
+     */
+    static Path find(String library, List<Path> lawPath) {
+        if (library.contains("/")) {
+            return existing(library, List.of(Path.of(library)));
+        }
+        String file = "libvesper_law_" + library + ".so";
+        return existing(library, lawPath.stream().map(folder -> folder.resolve(file)).toList());
+    }
+
+    private static Path existing(String library, List<Path> candidates) {
+        return candidates.stream().filter(Files::exists).findFirst().map(Path::toAbsolutePath)
+            .orElseThrow(() -> new PhysicsException(Status.NOT_FOUND,
+                "law library '" + library + "' was not found; looked for " + candidates));
+    }
+
+    static Stamp stamp(Path file) throws IOException {
+        BasicFileAttributes attributes = Files.readAttributes(file, BasicFileAttributes.class);
+        return new Stamp(attributes.fileKey(), attributes.size(), attributes.lastModifiedTime());
+    }
+
+    static String sha256(Path file) throws IOException {
+        MessageDigest digest = sha256();
+        try (InputStream in = new DigestInputStream(Files.newInputStream(file), digest)) {
+            in.transferTo(OutputStream.nullOutputStream());
+        }
+        return HexFormat.of().formatHex(digest.digest());
+    }
+
+    private static MessageDigest sha256() {
+        try {
+            return MessageDigest.getInstance("SHA-256");
+        } catch (NoSuchAlgorithmException e) {
+            throw new AssertionError("every Java platform has SHA-256", e);
+        }
+    }
+}

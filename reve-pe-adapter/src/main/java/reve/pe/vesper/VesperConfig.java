@@ -1,0 +1,34 @@
+package reve.pe.vesper;
+
+import java.nio.file.Path;
+import java.util.List;
+
+/**
+ * How a Vesper engine is made.
+ *
+ * @param threads threads that laws may share work among, the caller's included; at least 1.
+ *     Results do not depend on it
+ * @param validate true: laws run on guarded copies and are held to their declaration (slower)
+ * @param lawPath folders searched for bare law names, in this order; no ':' in them
+ * @param log receives the log lines of engine and laws
+ */
+public record VesperConfig(int threads, boolean validate, List<Path> lawPath, VesperLog log) {
+    /** Copies the list; refuses fewer than one thread and folders that a path list cannot hold. */
+    public VesperConfig {
+        if (threads < 1) {
+            throw new IllegalArgumentException("threads is " + threads + ", expected at least 1");
+        }
+        lawPath = List.copyOf(lawPath);
+        for (Path folder : lawPath) {
+            if (folder.toString().contains(":")) {
+                throw new IllegalArgumentException("law folder '" + folder
+                    + "' has a ':' in its name, which separates folders; rename it");
+            }
+        }
+    }
+
+    /** One thread, no validation, log lines discarded. */
+    public static VesperConfig of(List<Path> lawPath) {
+        return new VesperConfig(1, false, lawPath, (level, message) -> { });
+    }
+}

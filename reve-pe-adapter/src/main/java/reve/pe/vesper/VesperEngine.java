@@ -1,0 +1,282 @@
+package reve.pe.vesper;
+
+import static java.lang.foreign.ValueLayout.ADDRESS;
+import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
+import static java.lang.foreign.ValueLayout.JAVA_INT;
+import static java.lang.foreign.ValueLayout.JAVA_LONG;
+import static reve.pe.vesper.VesperLayouts.ENGINE_CONFIG;
+import static reve.pe.vesper.VesperLayouts.LAW_INFO;
+import static reve.pe.vesper.VesperLayouts.PARAMETER;
+import static reve.pe.vesper.VesperLayouts.offset;
+
+import java.io.IOException;
+import java.lang.foreign.Arena;
+import java.lang.foreign.MemorySegment;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.TreeMap;
+import java.util.stream.Collectors;
+import reve.pe.PhysicalPropertyProvider;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
+import reve.pe.Prototype;
+import reve.pe.Status;
+import reve.pe.vesper.VesperErrors.LibraryNames;
+
+/**
+ * The Vesper engine. It works in place on the arrays that its provider is lent, and
+ * {@link #advance} is one native call. Close prepared libraries, and let other threads end their
+ * {@link #prepare}, before closing the engine.
+ */
+public final class VesperEngine implements PhysicsEngine {
+    private final Arena arena = Arena.ofShared();
+    private final Prototype prototype;
+    private final List<Path> lawPath;
+    private final VesperErrors errors;
+    private final MemorySegment config;
+    private final MemorySegment engine;
+    private final VesperProvider provider;
+    private final MemorySegment lawInfo;
+    private final MemorySegment out;
+    private final Map<Integer, LibraryNames> libraries = new LinkedHashMap<>();
+    private boolean closed;
+
+    /**
+     * Makes an engine for a prototype. The native library is found through the system property
+     * {@code reve.native.path}.
+     *
+     * @throws IllegalStateException if libvesper is missing or of another release
+     * @throws PhysicsException if the engine refuses the prototype
+     */
+    public VesperEngine(VesperConfig config, Prototype prototype) {
+        checkLibrary();
+        this.prototype = prototype;
+        this.lawPath = config.lawPath();
+        errors = new VesperErrors(arena, libraries::get);
+        lawInfo = arena.allocate(LAW_INFO);
+        out = arena.allocate(JAVA_LONG);
+        try {
+            this.config = writeConfig(config, arena);
+            engine = create();
+        } catch (RuntimeException e) {
+            arena.close();
+            throw e;
+        }
+        provider = new VesperProvider(this, VesperLibrary.enginePropertyProvider(engine), errors,
+            prototype, arena);
+    }
+
+    /**
+     * A prototype that the engine itself defines.
+     *
+     * @param name "si-f64" or "si-f32"
+     * @throws PhysicsException NOT_FOUND for another name
+     */
+    public static Prototype standardPrototype(String name) {
+        checkLibrary();
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment found =
+                VesperLibrary.prototypeStandard(VesperStrings.write(call, name));
+            if (found.address() == 0) {
+                throw new PhysicsException(Status.NOT_FOUND, "there is no standard prototype '"
+                    + name + "', expected si-f64 or si-f32");
+            }
+            return VesperPrototypes.read(found);
+        }
+    }
+
+    /** Compiler, flags and version of the native library, and the version of its contract. */
+    public static String buildInfo() {
+        checkLibrary();
+        int abi = VesperLibrary.abiVersion();
+        return VesperStrings.read(VesperLibrary.buildInfo()) + ", contract " + (abi >>> 16) + "."
+            + (abi & 0xFFFF);
+    }
+
+    @Override
+    public PhysicalPropertyProvider propertyProvider() {
+        return provider;
+    }
+
+    @Override
+    public Prototype prototype() {
+        return prototype;
+    }
+
+    @Override
+    public PreparedLibrary prepare(String library) {
+        checkOpen();
+        Path file = LibraryFile.find(library, lawPath);
+        try {
+            return prepare(file);
+        } catch (IOException e) {
+            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED,
+                file + " cannot be read: " + e.getMessage());
+        }
+    }
+
+    @Override
+    public int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters) {
+        checkOpen();
+        if (!(prepared instanceof VesperPreparedLibrary library)) {
+            throw new IllegalArgumentException("prepared library '" + prepared.name()
+                + "' was prepared by another kind of engine");
+        }
+        try (Arena call = Arena.ofConfined()) {
+            errors.check(VesperLibrary.engineLoadPrepared(engine, library.handle(),
+                writeParameters(call, parameters), parameters.size(), out, errors.segment()));
+        }
+        library.taken();
+        int id = out.get(JAVA_INT, 0);
+        libraries.put(id, new LibraryNames(library.name(),
+            laws(id).stream().map(PhysicsLaw::name).toList()));
+        return id;
+    }
+
+    @Override
+    public void unloadPhysicsLaw(int libraryId) {
+        checkOpen();
+        errors.check(
+            VesperLibrary.engineUnloadPhysicsLaw(engine, libraryId, errors.segment()));
+        libraries.remove(libraryId);
+    }
+
+    @Override
+    public List<PhysicsLaw> laws() {
+        checkOpen();
+        return libraries.keySet().stream().flatMap(id -> laws(id).stream()).toList();
+    }
+
+    @Override
+    public void advance(double dt, int steps) {
+        checkOpen();
+        provider.checkArraysAlive();
+        errors.check(VesperLibrary.engineAdvance(engine, dt, steps, errors.segment()));
+    }
+
+    @Override
+    public void clearFault() {
+        checkOpen();
+        errors.check(VesperLibrary.engineClearFault(engine, errors.segment()));
+    }
+
+    @Override
+    public long stepCount() {
+        checkOpen();
+        return VesperLibrary.engineStepCount(engine);
+    }
+
+    @Override
+    public long stateHash() {
+        checkOpen();
+        provider.checkArraysAlive();
+        errors.check(VesperLibrary.engineStateHash(engine, out, errors.segment()));
+        return out.get(JAVA_LONG, 0);
+    }
+
+    @Override
+    public void close() {
+        if (!closed) {
+            closed = true;
+            VesperLibrary.engineDestroy(engine);
+            arena.close();
+        }
+    }
+
+    void checkOpen() {
+        if (closed) {
+            throw new IllegalStateException("the engine is closed");
+        }
+    }
+
+    private MemorySegment create() {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment handle = call.allocate(ADDRESS);
+            errors.check(VesperLibrary.engineCreate(config,
+                VesperPrototypes.write(call, prototype), handle, errors.segment()));
+            return handle.get(ADDRESS, 0);
+        }
+    }
+
+    private static MemorySegment writeConfig(VesperConfig config, Arena arena) {
+        MemorySegment struct = arena.allocate(ENGINE_CONFIG);
+        VesperLibrary.engineConfigInit(struct);
+        struct.set(JAVA_INT, offset(ENGINE_CONFIG, "threads"), config.threads());
+        struct.set(JAVA_INT, offset(ENGINE_CONFIG, "validate"), config.validate() ? 1 : 0);
+        struct.set(ADDRESS, offset(ENGINE_CONFIG, "law_path"), VesperStrings.write(arena,
+            config.lawPath().stream().map(Path::toString).collect(Collectors.joining(":"))));
+        struct.set(ADDRESS, offset(ENGINE_CONFIG, "log"),
+            LogUpcall.create(config.log(), arena));
+        return struct;
+    }
+
+    /** The stamps tell whether the bytes that were hashed are those that C copied. */
+    private PreparedLibrary prepare(Path file) throws IOException {
+        LibraryFile.Stamp before = LibraryFile.stamp(file);
+        MemorySegment prepared = prepareCopy(file);
+        try {
+            String sha256 = LibraryFile.sha256(file);
+            if (!LibraryFile.stamp(file).equals(before)) {
+                throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, file
+                    + " changed while it was being read; try again when it is complete");
+            }
+            return new VesperPreparedLibrary(prepared, sha256);
+        } catch (IOException | RuntimeException e) {
+            VesperLibrary.libraryDiscard(prepared);
+            throw e;
+        }
+    }
+
+    private MemorySegment prepareCopy(Path file) {
+        try (Arena call = Arena.ofConfined()) {
+            VesperErrors failure = new VesperErrors(call, id -> null);
+            MemorySegment handle = call.allocate(ADDRESS);
+            failure.check(VesperLibrary.libraryPrepare(config,
+                VesperStrings.write(call, file.toString()), handle, failure.segment()));
+            return handle.get(ADDRESS, 0);
+        }
+    }
+
+    private List<PhysicsLaw> laws(int libraryId) {
+        List<PhysicsLaw> laws = new ArrayList<>();
+        while (nextLaw(libraryId, laws.size())) {
+            laws.add(VesperPrototypes.readLaw(lawInfo));
+        }
+        return laws;
+    }
+
+    private boolean nextLaw(int libraryId, int index) {
+        lawInfo.set(JAVA_INT, offset(LAW_INFO, "struct_size"), (int) LAW_INFO.byteSize());
+        return VesperLibrary.engineLawInfo(engine, libraryId, index, lawInfo,
+            errors.segment()) == 0;
+    }
+
+    /** In the order of their names, so that a complaint about them is always the same. */
+    private static MemorySegment writeParameters(Arena arena, Map<String, Double> parameters) {
+        MemorySegment array = arena.allocate(PARAMETER, Math.max(1, parameters.size()));
+        long row = 0;
+        for (Map.Entry<String, Double> parameter : new TreeMap<>(parameters).entrySet()) {
+            MemorySegment struct = array.asSlice(row++ * PARAMETER.byteSize(), PARAMETER);
+            struct.set(JAVA_INT, offset(PARAMETER, "struct_size"), (int) PARAMETER.byteSize());
+            struct.set(ADDRESS, offset(PARAMETER, "name"),
+                VesperStrings.write(arena, parameter.getKey()));
+            struct.set(JAVA_DOUBLE, offset(PARAMETER, "value"), parameter.getValue());
+        }
+        return array;
+    }
+
+    /** Compares the structs of this binding with the library's own table. */
+    private static void checkLibrary() {
+        NativeFolder.libvesper();
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment count = call.allocate(JAVA_INT);
+            MemorySegment first = VesperLibrary.abiLayout(count);
+            VesperLayouts.check(VesperLayouts.read(first, count.get(JAVA_INT, 0)));
+        }
+    }
+}

@@ -1,0 +1,298 @@
+package reve.pe.vesper;
+
+import static java.lang.foreign.ValueLayout.ADDRESS;
+import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
+import static java.lang.foreign.ValueLayout.JAVA_INT;
+import static java.lang.foreign.ValueLayout.JAVA_LONG;
+
+import java.lang.foreign.Arena;
+import java.lang.foreign.FunctionDescriptor;
+import java.lang.foreign.Linker;
+import java.lang.foreign.MemoryLayout;
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.SymbolLookup;
+import java.lang.invoke.MethodHandle;
+
+/**
+ * The C functions of {@code engine.h}, one static method each, same order of arguments. Statuses
+ * come back as they are; {@link VesperErrors} turns them into exceptions.
+ */
+@SuppressWarnings("restricted") // the one place where native functions are looked up
+final class VesperLibrary {
+    private static final Linker LINKER = Linker.nativeLinker();
+    private static final SymbolLookup SYMBOLS =
+        SymbolLookup.libraryLookup(NativeFolder.libvesper(), Arena.global());
+
+    private static final MethodHandle ABI_VERSION = function("vesper_abi_version", JAVA_INT);
+    private static final MethodHandle BUILD_INFO = function("vesper_build_info", ADDRESS);
+    private static final MethodHandle ABI_LAYOUT =
+        function("vesper_abi_layout", ADDRESS, ADDRESS);
+    private static final MethodHandle PROTOTYPE_STANDARD =
+        function("vesper_prototype_standard", ADDRESS, ADDRESS);
+    private static final MethodHandle CONFIG_INIT =
+        procedure("vesper_engine_config_init", ADDRESS);
+    private static final MethodHandle ENGINE_CREATE = function("vesper_engine_create", JAVA_INT,
+        ADDRESS, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle ENGINE_DESTROY =
+        procedure("vesper_engine_destroy", ADDRESS);
+    private static final MethodHandle PROPERTY_PROVIDER =
+        function("vesper_engine_property_provider", ADDRESS, ADDRESS);
+    private static final MethodHandle ADD_PROPERTY =
+        function("vesper_provider_add_physical_property", JAVA_INT,
+            ADDRESS, ADDRESS, ADDRESS, JAVA_LONG, ADDRESS, JAVA_LONG, ADDRESS);
+    private static final MethodHandle REBIND_PROPERTY =
+        function("vesper_provider_rebind_physical_property", JAVA_INT,
+            ADDRESS, ADDRESS, ADDRESS, JAVA_LONG, ADDRESS, JAVA_LONG, ADDRESS);
+    private static final MethodHandle REMOVE_PROPERTY = function(
+        "vesper_provider_remove_physical_property", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle FIND_PROPERTY = function(
+        "vesper_provider_find_physical_property", JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle TOUCH = function("vesper_provider_touch", JAVA_INT,
+        ADDRESS, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle LIBRARY_PREPARE = function("vesper_library_prepare",
+        JAVA_INT, ADDRESS, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle LIBRARY_DISCARD =
+        procedure("vesper_library_discard", ADDRESS);
+    private static final MethodHandle LIBRARY_NAME =
+        function("vesper_library_name", ADDRESS, ADDRESS);
+    private static final MethodHandle LOAD_PREPARED = function("vesper_engine_load_prepared",
+        JAVA_INT, ADDRESS, ADDRESS, ADDRESS, JAVA_INT, ADDRESS, ADDRESS);
+    private static final MethodHandle UNLOAD_LAW = function("vesper_engine_unload_physics_law",
+        JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle LAW_INFO = function("vesper_engine_law_info", JAVA_INT,
+        ADDRESS, JAVA_INT, JAVA_INT, ADDRESS, ADDRESS);
+    private static final MethodHandle ADVANCE = function("vesper_engine_advance", JAVA_INT,
+        ADDRESS, JAVA_DOUBLE, JAVA_INT, ADDRESS);
+    private static final MethodHandle CLEAR_FAULT =
+        function("vesper_engine_clear_fault", JAVA_INT, ADDRESS, ADDRESS);
+    private static final MethodHandle STEP_COUNT =
+        function("vesper_engine_step_count", JAVA_LONG, ADDRESS);
+    private static final MethodHandle STATE_HASH =
+        function("vesper_engine_state_hash", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
+
+    private VesperLibrary() {
+    }
+
+    static int abiVersion() {
+        try {
+            return (int) ABI_VERSION.invokeExact();
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static MemorySegment buildInfo() {
+        try {
+            return (MemorySegment) BUILD_INFO.invokeExact();
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static MemorySegment abiLayout(MemorySegment count) {
+        try {
+            return (MemorySegment) ABI_LAYOUT.invokeExact(count);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static MemorySegment prototypeStandard(MemorySegment name) {
+        try {
+            return (MemorySegment) PROTOTYPE_STANDARD.invokeExact(name);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static void engineConfigInit(MemorySegment config) {
+        try {
+            CONFIG_INIT.invokeExact(config);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineCreate(MemorySegment config, MemorySegment prototype, MemorySegment out,
+                            MemorySegment error) {
+        try {
+            return (int) ENGINE_CREATE.invokeExact(config, prototype, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static void engineDestroy(MemorySegment engine) {
+        try {
+            ENGINE_DESTROY.invokeExact(engine);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static MemorySegment enginePropertyProvider(MemorySegment engine) {
+        try {
+            return (MemorySegment) PROPERTY_PROVIDER.invokeExact(engine);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int providerAddPhysicalProperty(MemorySegment provider, MemorySegment name,
+                                           MemorySegment data, long valueCount,
+                                           MemorySegment indices, long objectCount,
+                                           MemorySegment error) {
+        try {
+            return (int) ADD_PROPERTY.invokeExact(provider, name, data, valueCount, indices,
+                objectCount, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int providerRebindPhysicalProperty(MemorySegment provider, MemorySegment name,
+                                              MemorySegment data, long valueCount,
+                                              MemorySegment indices, long objectCount,
+                                              MemorySegment error) {
+        try {
+            return (int) REBIND_PROPERTY.invokeExact(provider, name, data, valueCount, indices,
+                objectCount, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int providerRemovePhysicalProperty(MemorySegment provider, MemorySegment name,
+                                              MemorySegment error) {
+        try {
+            return (int) REMOVE_PROPERTY.invokeExact(provider, name, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int providerFindPhysicalProperty(MemorySegment provider, MemorySegment name,
+                                            MemorySegment out, MemorySegment error) {
+        try {
+            return (int) FIND_PROPERTY.invokeExact(provider, name, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int providerTouch(MemorySegment provider, MemorySegment names, int count,
+                             MemorySegment error) {
+        try {
+            return (int) TOUCH.invokeExact(provider, names, count, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int libraryPrepare(MemorySegment config, MemorySegment library, MemorySegment out,
+                              MemorySegment error) {
+        try {
+            return (int) LIBRARY_PREPARE.invokeExact(config, library, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static void libraryDiscard(MemorySegment prepared) {
+        try {
+            LIBRARY_DISCARD.invokeExact(prepared);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static MemorySegment libraryName(MemorySegment prepared) {
+        try {
+            return (MemorySegment) LIBRARY_NAME.invokeExact(prepared);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineLoadPrepared(MemorySegment engine, MemorySegment prepared,
+                                  MemorySegment parameters, int count, MemorySegment out,
+                                  MemorySegment error) {
+        try {
+            return (int) LOAD_PREPARED.invokeExact(engine, prepared, parameters, count, out,
+                error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineUnloadPhysicsLaw(MemorySegment engine, int library, MemorySegment error) {
+        try {
+            return (int) UNLOAD_LAW.invokeExact(engine, library, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineLawInfo(MemorySegment engine, int library, int index, MemorySegment out,
+                             MemorySegment error) {
+        try {
+            return (int) LAW_INFO.invokeExact(engine, library, index, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineAdvance(MemorySegment engine, double dt, int steps, MemorySegment error) {
+        try {
+            return (int) ADVANCE.invokeExact(engine, dt, steps, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineClearFault(MemorySegment engine, MemorySegment error) {
+        try {
+            return (int) CLEAR_FAULT.invokeExact(engine, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static long engineStepCount(MemorySegment engine) {
+        try {
+            return (long) STEP_COUNT.invokeExact(engine);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineStateHash(MemorySegment engine, MemorySegment out, MemorySegment error) {
+        try {
+            return (int) STATE_HASH.invokeExact(engine, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    private static MethodHandle function(String name, MemoryLayout result,
+                                         MemoryLayout... arguments) {
+        return LINKER.downcallHandle(SYMBOLS.findOrThrow(name),
+            FunctionDescriptor.of(result, arguments));
+    }
+
+    private static MethodHandle procedure(String name, MemoryLayout... arguments) {
+        return LINKER.downcallHandle(SYMBOLS.findOrThrow(name),
+            FunctionDescriptor.ofVoid(arguments));
+    }
+
+    /** C functions throw nothing; what arrives here is the binding refusing a dead segment. */
+    private static RuntimeException rethrown(Throwable t) {
+        if (t instanceof RuntimeException exception) {
+            return exception;
+        }
+        if (t instanceof Error error) {
+            throw error;
+        }
+        throw new AssertionError("a downcall threw a checked exception", t);
+    }
+}

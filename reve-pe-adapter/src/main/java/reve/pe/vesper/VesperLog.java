@@ -1,0 +1,8 @@
+package reve.pe.vesper;
+
+/** Receives log lines of the engine and of laws. */
+@FunctionalInterface
+public interface VesperLog {
+    /** Called on the thread that is inside the engine; must be quick and not call the engine. */
+    void log(System.Logger.Level level, String message);
+}

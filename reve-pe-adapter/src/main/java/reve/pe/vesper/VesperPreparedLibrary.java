@@ -1,0 +1,50 @@
+package reve.pe.vesper;
+
+import java.lang.foreign.MemorySegment;
+import org.jspecify.annotations.Nullable;
+import reve.pe.PreparedLibrary;
+
+/** A {@code vesper_prepared_library} that no engine took yet. */
+final class VesperPreparedLibrary implements PreparedLibrary {
+    private final String name;
+    private final String sha256;
+    private @Nullable MemorySegment prepared;
+
+    VesperPreparedLibrary(MemorySegment prepared, String sha256) {
+        this.prepared = prepared;
+        this.name = VesperStrings.read(VesperLibrary.libraryName(prepared));
+        this.sha256 = sha256;
+    }
+
+    @Override
+    public String name() {
+        return name;
+    }
+
+    @Override
+    public String sha256() {
+        return sha256;
+    }
+
+    /** What to hand to C; throws once it was taken or closed. */
+    synchronized MemorySegment handle() {
+        if (prepared == null) {
+            throw new IllegalStateException("prepared library '" + name
+                + "' was taken by an engine or closed; prepare it again");
+        }
+        return prepared;
+    }
+
+    /** An engine owns it now. */
+    synchronized void taken() {
+        prepared = null;
+    }
+
+    @Override
+    public synchronized void close() {
+        if (prepared != null) {
+            VesperLibrary.libraryDiscard(prepared);
+            prepared = null;
+        }
+    }
+}
