@@ -1,0 +1,495 @@
+/* The C++20 layer for authors of physics laws; a law library needs nothing else.
+ *
+ * A law is a class template over the real type. Its members are the properties and parameters it
+ * uses, and one macro at the end of the file makes the library, for both precisions:
+ *
+ *     template <class Real>
+ *     struct UniformWeight {
+ *       static constexpr auto kName = "uniform_weight", kVersion = "1.0.0";
+ *       static constexpr auto kDoc = "Pulls every body down with its mass times g.";
+ *       static constexpr auto kPhase = vesper::Phase::kForce;
+ *       vesper::Parameter g{"g", "Free-fall acceleration.", vesper::units::metre_per_second_squared,
+ *                           9.81, 0.0, 100.0};
+ *       vesper::Read<Real> mass{"mass", "body", vesper::units::kilogram};
+ *       vesper::Accumulate<vesper::Vec3<Real>> force{"externalForce", "body", vesper::units::newton};
+ *       auto Parameters() { return std::tie(g); }
+ *       auto Properties() { return std::tie(mass, force); }
+ *       void Advance(const vesper::Step&) {
+ *         for (uint64_t i = 0; i < mass.size(); ++i) force[i].y -= mass[i] * Real(g);
+ *       }
+ *     };
+ *     VESPER_LAW_LIBRARY("uniform_weight", UniformWeight)
+ *
+ * Members that a law must have: kName, kVersion, kDoc, kPhase, Properties(), Advance(). It may have:
+ *   uint32_t kStages        force evaluations per step of an integrator; 1 if absent
+ *   uint32_t kClaims        vesper::Claim values joined with |; none if absent
+ *   auto Parameters()       std::tie of its parameters
+ *   void Bind()             rebuilds what it caches: arrays are new, or were edited by the client
+ *   double PotentialEnergy()  [J] of the present state
+ *
+ * The law is default-constructed once when its library is opened, to read the declarations, and
+ * once for every engine that loads it. Names and docs must be string literals. An exception thrown
+ * by the constructor at load, by Bind, Advance or PotentialEnergy becomes LAW_FAILED with its
+ * what() as message.
+ */
+#ifndef VESPER_LAW_HPP_
+#define VESPER_LAW_HPP_
+
+#include <array>
+#include <cmath>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <cstring>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+
+#include "vesper/law.h"
+
+namespace vesper {
+
+/** When a law runs within a step: phase by phase, and in order of loading within one. */
+enum class Phase : vesper_phase {
+  kForce = VESPER_PHASE_FORCE,
+  kIntegrate = VESPER_PHASE_INTEGRATE,
+  kConstrain = VESPER_PHASE_CONSTRAIN,
+  kObserve = VESPER_PHASE_OBSERVE,
+};
+
+/** What a law promises; the law contract tests hold it to it. */
+enum Claim : uint32_t {
+  kMomentum = VESPER_CLAIM_MOMENTUM,
+  kAngularMomentum = VESPER_CLAIM_ANGULAR_MOMENTUM,
+  kTranslation = VESPER_CLAIM_TRANSLATION,
+  kRotation = VESPER_CLAIM_ROTATION,
+};
+
+namespace units {
+inline constexpr vesper_unit one = VESPER_UNIT_ONE;
+inline constexpr vesper_unit metre = VESPER_UNIT_METRE;
+inline constexpr vesper_unit kilogram = VESPER_UNIT_KILOGRAM;
+inline constexpr vesper_unit second = VESPER_UNIT_SECOND;
+inline constexpr vesper_unit kelvin = VESPER_UNIT_KELVIN;
+inline constexpr vesper_unit coulomb = VESPER_UNIT_COULOMB;
+inline constexpr vesper_unit metre_per_second = VESPER_UNIT_METRE_PER_SECOND;
+inline constexpr vesper_unit metre_per_second_squared = VESPER_UNIT_METRE_PER_SECOND_SQUARED;
+inline constexpr vesper_unit radian_per_second = VESPER_UNIT_RADIAN_PER_SECOND;
+inline constexpr vesper_unit newton = VESPER_UNIT_NEWTON;
+inline constexpr vesper_unit newton_metre = VESPER_UNIT_NEWTON_METRE;
+inline constexpr vesper_unit newton_per_metre = VESPER_UNIT_NEWTON_PER_METRE;
+inline constexpr vesper_unit newton_second_per_metre = VESPER_UNIT_NEWTON_SECOND_PER_METRE;
+inline constexpr vesper_unit kilogram_metre_squared = VESPER_UNIT_KILOGRAM_METRE_SQUARED;
+inline constexpr vesper_unit kilogram_per_metre = VESPER_UNIT_KILOGRAM_PER_METRE;
+inline constexpr vesper_unit gravitational_constant = VESPER_UNIT_GRAVITATIONAL_CONSTANT;
+}  // namespace units
+
+/** Three numbers of one row, as they lie in a column of 3 components. */
+template <class Real>
+struct Vec3 {
+  Real x{}, y{}, z{};
+
+  friend constexpr Vec3 operator+(Vec3 a, Vec3 b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
+  friend constexpr Vec3 operator-(Vec3 a, Vec3 b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+  friend constexpr Vec3 operator-(Vec3 a) { return {-a.x, -a.y, -a.z}; }
+  friend constexpr Vec3 operator*(Vec3 a, Real s) { return {a.x * s, a.y * s, a.z * s}; }
+  friend constexpr Vec3 operator*(Real s, Vec3 a) { return a * s; }
+  friend constexpr Vec3& operator+=(Vec3& a, Vec3 b) { return a = a + b; }
+  friend constexpr Vec3& operator-=(Vec3& a, Vec3 b) { return a = a - b; }
+  friend constexpr bool operator==(const Vec3&, const Vec3&) = default;
+};
+
+template <class Real>
+constexpr Real Dot(Vec3<Real> a, Vec3<Real> b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+template <class Real>
+constexpr Vec3<Real> Cross(Vec3<Real> a, Vec3<Real> b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+template <class Real>
+Real Length(Vec3<Real> a) {
+  return std::sqrt(Dot(a, a));
+}
+
+namespace detail {
+
+template <class T>
+struct Scalar;
+template <>
+struct Scalar<float> : std::integral_constant<vesper_scalar_type, VESPER_F32> {};
+template <>
+struct Scalar<double> : std::integral_constant<vesper_scalar_type, VESPER_F64> {};
+template <>
+struct Scalar<int32_t> : std::integral_constant<vesper_scalar_type, VESPER_I32> {};
+template <>
+struct Scalar<uint32_t> : std::integral_constant<vesper_scalar_type, VESPER_U32> {};
+
+/** Scalar type and number of components of what a row holds. */
+template <class Row>
+struct RowType {
+  static constexpr vesper_scalar_type kScalar = Scalar<Row>::value;
+  static constexpr uint32_t kComponents = 1;
+};
+template <class Real>
+struct RowType<Vec3<Real>> {
+  static constexpr vesper_scalar_type kScalar = Scalar<Real>::value;
+  static constexpr uint32_t kComponents = 3;
+};
+template <class T, std::size_t n>
+struct RowType<std::array<T, n>> {
+  static constexpr vesper_scalar_type kScalar = Scalar<T>::value;
+  static constexpr uint32_t kComponents = n;
+};
+
+template <class Law>
+class Instance;
+
+}  // namespace detail
+
+/** A column that a law uses: (rows x components of Row), borrowed from the client between two
+ *  Binds. Row is float, double, int32_t, uint32_t, Vec3 of a real, or std::array of a scalar. What
+ *  the access only reads is const. Use it through the names below. */
+template <class Row, vesper_access access, uint32_t flags>
+class Column {
+ public:
+  static constexpr vesper_access kAccess = access;
+  using Element = std::conditional_t<access == VESPER_READ, const Row, Row>;
+
+  constexpr Column(const char* name, const char* kind, const vesper_unit& unit)
+      : name_(name), kind_(kind), unit_(unit) {}
+
+  Element& operator[](uint64_t row) const { return data_[row]; }
+  Element* data() const { return data_; }
+  Element* begin() const { return data_; }
+  Element* end() const { return data_ + size_; }
+  /** Rows; 0 if an optional property is absent. */
+  uint64_t size() const { return size_; }
+  /** False if the prototype lacks this optional property or the client gave no array for it. */
+  bool present() const requires(flags == VESPER_USE_OPTIONAL) { return data_ != nullptr; }
+
+ private:
+  template <class Law>
+  friend class detail::Instance;
+
+  constexpr vesper_property_use Use() const {
+    using Type = detail::RowType<Row>;
+    return {sizeof(vesper_property_use), Type::kScalar, name_, kind_, Type::kComponents, access,
+            unit_, flags, 0};
+  }
+  void Set(const vesper_property& property) {
+    data_ = static_cast<Element*>(property.data);
+    size_ = property.row_count;
+  }
+
+  const char* name_;
+  const char* kind_;
+  vesper_unit unit_;
+  Element* data_ = nullptr;
+  uint64_t size_ = 0;
+};
+
+template <class Row>
+using Read = Column<Row, VESPER_READ, 0>;
+/** Every row must be written before Advance returns; what was in it is not to be read. */
+template <class Row>
+using Write = Column<Row, VESPER_WRITE, 0>;
+template <class Row>
+using ReadWrite = Column<Row, VESPER_READ_WRITE, 0>;
+/** Add to it, in phase kForce. It starts at zero for each law; the engine sums over laws. */
+template <class Row>
+using Accumulate = Column<Row, VESPER_ACCUMULATE, 0>;
+template <class Row>
+using OptionalRead = Column<Row, VESPER_READ, VESPER_USE_OPTIONAL>;
+template <class Row>
+using OptionalWrite = Column<Row, VESPER_WRITE, VESPER_USE_OPTIONAL>;
+template <class Row>
+using OptionalReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_OPTIONAL>;
+template <class Row>
+using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
+
+/** A number fixed while the law is loaded, in the unit declared; the engine refuses values outside
+ *  [minimum, maximum]. Holds its default until the law is loaded, its value from Bind on. */
+class Parameter {
+ public:
+  constexpr Parameter(const char* name, const char* doc, const vesper_unit& unit,
+                      double default_value, double minimum, double maximum)
+      : desc_{sizeof desc_, 0, name, doc, unit, default_value, minimum, maximum},
+        value_(default_value) {}
+
+  constexpr double value() const { return value_; }
+  template <std::floating_point Real>
+  explicit constexpr operator Real() const {
+    return static_cast<Real>(value_);
+  }
+
+ private:
+  template <class Law>
+  friend class detail::Instance;
+
+  vesper_parameter_desc desc_;
+  double value_;
+};
+
+/** One stage of one step, valid during Advance. */
+class Step {
+ public:
+  /** 0 before the first force evaluation (integrators only), else 1..stage_count. */
+  const uint32_t stage;
+  const uint32_t stage_count;
+  /** Length of the step [time unit of the prototype], > 0. */
+  const double dt;
+  /** Time at the beginning of the step: index * dt. */
+  const double time;
+  /** Steps done before this one. */
+  const uint64_t index;
+
+  /** Calls body(begin, end) for disjoint ranges that cover [0, count), perhaps at the same time,
+   *  and returns when all are done. Ranges do not depend on the number of threads; they are `grain`
+   *  long, or as long as the engine likes if 0. If bodies throw, the exception of the first range
+   *  that threw is rethrown here. */
+  template <std::invocable<uint64_t, uint64_t> Body>
+  void ParallelFor(uint64_t count, uint64_t grain, Body&& body) const;
+
+  /** Writes a line to the engine's log (VESPER_LOG_...). Not from within ParallelFor. */
+  void Log(uint32_t level, const char* message) const {
+    host_.log(host_.context, level, message);
+  }
+
+ private:
+  template <class Law>
+  friend class detail::Instance;
+
+  Step(const vesper_step& step, const vesper_host& host)
+      : stage(step.stage), stage_count(step.stage_count), dt(step.dt), time(step.time),
+        index(step.index), host_(host) {}
+
+  const vesper_host& host_;
+};
+
+template <std::invocable<uint64_t, uint64_t> Body>
+void Step::ParallelFor(uint64_t count, uint64_t grain, Body&& body) const {
+  struct Call {
+    Body& body;
+    std::mutex mutex;
+    uint64_t failed_at = UINT64_MAX;
+    std::exception_ptr failure;
+
+    void Run(uint64_t begin, uint64_t end) noexcept {
+      try {
+        body(begin, end);
+      } catch (...) {
+        const std::scoped_lock lock(mutex);
+        if (begin < failed_at) {
+          failed_at = begin;
+          failure = std::current_exception();
+        }
+      }
+    }
+  } call{body, {}, UINT64_MAX, {}};
+  host_.parallel_for(
+      host_.context, count, grain,
+      [](void* user, uint64_t begin, uint64_t end) { static_cast<Call*>(user)->Run(begin, end); },
+      &call);
+  if (call.failure) std::rethrow_exception(call.failure);
+}
+
+namespace detail {
+
+inline vesper_status Fail(vesper_error* error, const char* message) {
+  if (error != nullptr) {
+    *error = {};
+    error->status = VESPER_LAW_FAILED;
+    error->law_index = VESPER_NO_LAW;
+    error->row = VESPER_NO_ROW;
+    std::strncpy(error->message, message, sizeof error->message - 1);
+  }
+  return VESPER_LAW_FAILED;
+}
+
+/** Runs `action`; what it throws becomes a status. */
+template <class Action>
+vesper_status Guard(vesper_error* error, Action&& action) noexcept {
+  try {
+    action();
+    return VESPER_OK;
+  } catch (const std::exception& e) {
+    return Fail(error, e.what());
+  } catch (...) {
+    return Fail(error, "the law threw something that is no std::exception");
+  }
+}
+
+/** Precision of a law: the argument of its template. */
+template <class Law>
+struct RealOf;
+template <template <class> class Law, class Real>
+struct RealOf<Law<Real>> {
+  using Type = Real;
+};
+
+template <class Law>
+auto ParametersOf(Law& law) {
+  if constexpr (requires { law.Parameters(); }) {
+    return law.Parameters();
+  } else {
+    return std::tuple<>();
+  }
+}
+
+/** A law as the engine drives it: the C callbacks and the declarations in C form. */
+template <class Law>
+class Instance {
+ public:
+  static vesper_status Create(const vesper_host* host, vesper_suite*, const double* parameters,
+                              vesper_law** out, vesper_error* error) noexcept {
+    return Guard(error, [&] {
+      auto instance = std::make_unique<Instance>(*host);
+      std::apply([&](auto&... parameter) { ((parameter.value_ = *parameters++), ...); },
+                 ParametersOf(instance->law_));
+      *out = reinterpret_cast<vesper_law*>(instance.release());
+    });
+  }
+
+  static vesper_status Bind(vesper_law* law, const vesper_property* properties,
+                            vesper_error* error) noexcept {
+    return Guard(error, [&] {
+      Law& self = From(law).law_;
+      const auto* at = reinterpret_cast<const char*>(properties);
+      const auto next = [&]() -> const vesper_property& {
+        const auto* property = reinterpret_cast<const vesper_property*>(at);
+        at += properties->struct_size;
+        return *property;
+      };
+      std::apply([&](auto&... column) { (column.Set(next()), ...); }, self.Properties());
+      if constexpr (requires { self.Bind(); }) self.Bind();
+    });
+  }
+
+  static vesper_status Advance(vesper_law* law, const vesper_step* step,
+                               vesper_error* error) noexcept {
+    return Guard(error, [&] { From(law).law_.Advance(Step(*step, From(law).host_)); });
+  }
+
+  static vesper_status PotentialEnergy(vesper_law* law, double* out, vesper_error* error) noexcept
+      requires requires(Law& l) { l.PotentialEnergy(); } {
+    return Guard(error, [&] { *out = From(law).law_.PotentialEnergy(); });
+  }
+
+  static void Destroy(vesper_law* law) noexcept { delete &From(law); }
+
+  explicit Instance(const vesper_host& host) : host_(host) {}
+
+  /** The declarations in C form; lives in the library's static data. */
+  class Table {
+   public:
+    Table() {
+      Law law;
+      std::size_t i = 0;
+      std::apply([&](auto&... column) { ((uses_[i++] = column.Use()), ...); }, law.Properties());
+      i = 0;
+      std::apply([&](auto&... parameter) { ((parameters_[i++] = parameter.desc_), ...); },
+                 ParametersOf(law));
+    }
+
+    vesper_law_desc Desc() const {
+      vesper_law_desc desc{};
+      desc.struct_size = sizeof desc;
+      desc.real_type = Scalar<typename RealOf<Law>::Type>::value;
+      desc.name = Law::kName;
+      desc.version = Law::kVersion;
+      desc.doc = Law::kDoc;
+      desc.phase = static_cast<vesper_phase>(Law::kPhase);
+      desc.stages = Stages();
+      desc.use_count = static_cast<uint32_t>(uses_.size());
+      desc.parameter_count = static_cast<uint32_t>(parameters_.size());
+      desc.uses = uses_.data();
+      desc.parameters = parameters_.data();
+      if constexpr (requires { Law::kClaims; }) desc.claims = Law::kClaims;
+      desc.create = &Instance::Create;
+      desc.bind = &Instance::Bind;
+      desc.advance = &Instance::Advance;
+      desc.destroy = &Instance::Destroy;
+      if constexpr (requires(Law& law) { law.PotentialEnergy(); }) {
+        desc.potential_energy = &Instance::PotentialEnergy;
+      }
+      return desc;
+    }
+
+   private:
+    using Properties = decltype(std::declval<Law&>().Properties());
+
+    template <class... Columns>
+    static constexpr bool Accumulates(std::tuple<Columns&...>*) {
+      return ((Columns::kAccess == VESPER_ACCUMULATE) || ...);
+    }
+    static_assert(Law::kPhase == Phase::kForce ||
+                      !Accumulates(static_cast<Properties*>(nullptr)),
+                  "only a law of phase kForce may have Accumulate members");
+
+    static constexpr uint32_t Stages() {
+      if constexpr (requires { Law::kStages; }) {
+        static_assert(Law::kPhase == Phase::kIntegrate, "kStages is for laws of phase kIntegrate");
+        return Law::kStages;
+      } else {
+        return Law::kPhase == Phase::kIntegrate ? 1 : 0;
+      }
+    }
+
+    std::array<vesper_property_use, std::tuple_size_v<Properties>> uses_;
+    std::array<vesper_parameter_desc,
+               std::tuple_size_v<decltype(ParametersOf(std::declval<Law&>()))>> parameters_;
+  };
+
+ private:
+  static Instance& From(vesper_law* law) { return *reinterpret_cast<Instance*>(law); }
+
+  Law law_;
+  const vesper_host& host_;
+};
+
+/** Everything that `vesper_law_library_entry` points to, for both precisions of each law. */
+template <template <class> class... Laws>
+class Library {
+ public:
+  explicit Library(const char* name) {
+    library_.struct_size = sizeof library_;
+    library_.abi_version = VESPER_ABI_VERSION;
+    library_.name = name;
+    library_.law_count = static_cast<uint32_t>(descs_.size());
+    library_.laws = descs_.data();
+  }
+  Library(const Library&) = delete;
+  Library& operator=(const Library&) = delete;
+
+  const vesper_law_library* get() const { return &library_; }
+
+ private:
+  std::tuple<typename Instance<Laws<float>>::Table...> f32_;
+  std::tuple<typename Instance<Laws<double>>::Table...> f64_;
+  std::array<vesper_law_desc, 2 * sizeof...(Laws)> descs_ = std::apply(
+      [](const auto&... table) { return std::array{table.Desc()...}; },
+      std::tuple_cat(std::tie(std::get<typename Instance<Laws<float>>::Table>(f32_)...),
+                     std::tie(std::get<typename Instance<Laws<double>>::Table>(f64_)...)));
+  vesper_law_library library_{};
+};
+
+}  // namespace detail
+}  // namespace vesper
+
+/** Makes the library: VESPER_LAW_LIBRARY("name", Law, MoreLaws...), once, in one source file, at
+ *  global scope. The name is that of the file, libvesper_law_NAME.so. */
+#define VESPER_LAW_LIBRARY(name, ...)                                                \
+  extern "C" VESPER_LAW_EXPORT const vesper_law_library* vesper_law_library_entry() { \
+    try {                                                                            \
+      static const ::vesper::detail::Library<__VA_ARGS__> library(name);             \
+      return library.get();                                                          \
+    } catch (...) {                                                                  \
+      return nullptr; /* a constructor threw: the engine refuses the library */       \
+    }                                                                                \
+  }
+
+#endif  // VESPER_LAW_HPP_

@@ -1,0 +1,392 @@
+/* The C++20 layer for clients of the Vesper physics engine: header-only over engine.h.
+ *
+ *     vesper::PhysicsEngine engine("si-f64", {.law_path = "laws"});
+ *     engine.PropertyProvider().AddPhysicalProperty("mass", masses);
+ *     engine.PropertyProvider().AddPhysicalProperty("position", positions);  // 3 values a row
+ *     ...
+ *     engine.LoadPhysicsLaw("newton_motion");
+ *     engine.Advance(1.0 / 240, 4);
+ *
+ * What fails throws vesper::Error. Arrays are borrowed: keep them valid and in place from add or
+ * rebind until remove, rebind or the engine's end. Threads: one call at a time, from any thread.
+ */
+#ifndef VESPER_VESPER_HPP_
+#define VESPER_VESPER_HPP_
+
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <initializer_list>
+#include <map>
+#include <memory>
+#include <ranges>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include "vesper/engine.h"
+
+namespace vesper {
+
+/** A failed call: what() names the thing, what was found and what was expected. */
+class Error : public std::runtime_error {
+ public:
+  explicit Error(const vesper_error& error, std::string law = {})
+      : std::runtime_error(std::string(vesper_status_name(error.status)) + ": " + error.message),
+        error_(error),
+        law_(std::move(law)) {}
+
+  vesper_status status() const { return error_.status; }
+  /** The library to blame, or VESPER_NO_LIBRARY. */
+  vesper_library_id library() const { return error_.library_id; }
+  /** Name of the loaded law to blame; empty if none is. */
+  const std::string& law() const { return law_; }
+  /** Empty if no property is concerned. */
+  std::string_view property() const { return error_.property; }
+  /** Row of the property, or VESPER_NO_ROW. */
+  uint64_t row() const { return error_.row; }
+  /** Stage of the step in which it happened, 0 outside steps. */
+  uint32_t stage() const { return error_.stage; }
+
+ private:
+  vesper_error error_;
+  std::string law_;
+};
+
+namespace detail {
+
+inline void Check(vesper_status status, const vesper_error& error) {
+  if (status != VESPER_OK) throw Error(error);
+}
+
+[[noreturn]] inline void Throw(vesper_status status, const std::string& property,
+                               const std::string& message) {
+  vesper_error error{};
+  error.status = status;
+  error.law_index = VESPER_NO_LAW;
+  error.row = VESPER_NO_ROW;
+  property.copy(error.property, sizeof error.property - 1);
+  message.copy(error.message, sizeof error.message - 1);
+  throw Error(error);
+}
+
+/** Type of the values of a property, and how many of them a row has. */
+struct Shape {
+  vesper_scalar_type scalar_type;
+  uint32_t components;
+};
+using Shapes = std::map<std::string, Shape, std::less<>>;
+
+inline Shapes ShapesOf(const vesper_prototype& prototype) {
+  Shapes shapes;
+  const auto* at = reinterpret_cast<const char*>(prototype.properties);
+  for (uint32_t i = 0; i < prototype.property_count; ++i) {
+    const auto& property = *reinterpret_cast<const vesper_property_descriptor*>(at);
+    if (property.name != nullptr) {
+      shapes[property.name] = {property.scalar_type, property.components};
+    }
+    at += prototype.properties->struct_size;
+  }
+  return shapes;
+}
+
+template <class Value>
+constexpr vesper_scalar_type ScalarTypeOf() {
+  using T = std::remove_cv_t<Value>;
+  if constexpr (std::is_same_v<T, float>) return VESPER_F32;
+  if constexpr (std::is_same_v<T, double>) return VESPER_F64;
+  if constexpr (std::is_same_v<T, int32_t>) return VESPER_I32;
+  if constexpr (std::is_same_v<T, uint32_t>) return VESPER_U32;
+  return 0;
+}
+
+inline const char* NameOf(vesper_scalar_type type) {
+  constexpr const char* kNames[] = {"another type", "f32", "f64", "i32", "u32"};
+  return type < std::size(kNames) ? kNames[type] : kNames[0];
+}
+
+/** A flat array of values that outlives the call: an lvalue container or a span. */
+template <class Range>
+concept Values = std::ranges::contiguous_range<Range> && std::ranges::sized_range<Range> &&
+                 std::ranges::borrowed_range<Range> &&
+                 ScalarTypeOf<std::ranges::range_value_t<Range>>() != 0 &&
+                 !std::is_const_v<std::remove_reference_t<std::ranges::range_reference_t<Range>>>;
+
+}  // namespace detail
+
+/** "si-f64" or "si-f32"; static. Throws NOT_FOUND for any other name. */
+inline const vesper_prototype& StandardPrototype(const std::string& name) {
+  const vesper_prototype* prototype = vesper_prototype_standard(name.c_str());
+  if (prototype == nullptr) {
+    detail::Throw(VESPER_NOT_FOUND, "",
+                  "no standard prototype '" + name + "'; there are si-f64 and si-f32");
+  }
+  return *prototype;
+}
+
+/** How an engine is made; what is left out has the engine's default. */
+struct EngineConfig {
+  /** Threads of parallel_for, the caller's included. */
+  uint32_t threads = 1;
+  /** Laws run on guarded copies and are held to their declaration. */
+  bool validate = false;
+  /** Folders searched for bare law names, separated by ':'. */
+  std::string law_path = {};
+  /** The `vesper-probe` program; empty: beside the engine library. */
+  std::string probe_path = {};
+  /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
+  std::function<void(uint32_t, const char*)> log = {};
+
+  /** The same in C form; points into this object. */
+  vesper_engine_config View() const {
+    vesper_engine_config config;
+    vesper_engine_config_init(&config);
+    config.threads = threads;
+    config.validate = validate ? 1 : 0;
+    config.law_path = law_path.c_str();
+    if (!probe_path.empty()) config.probe_path = probe_path.c_str();
+    if (log) {
+      config.log = [](void* user, uint32_t level, const char* message) {
+        static_cast<const EngineConfig*>(user)->log(level, message);
+      };
+      config.log_user = const_cast<EngineConfig*>(this);
+    }
+    return config;
+  }
+};
+
+/** A value for a parameter of a law, in the unit that the law declares for it. `name` is
+ *  `parameter`, or `law.parameter` in a library of several laws. */
+struct ParameterValue {
+  std::string name;
+  double value;
+};
+
+/** Registers the client's arrays with an engine. Borrowed: valid as long as its engine. */
+class PhysicalPropertyProvider {
+ public:
+  /** `values`: flat, (rows x components) of the type that the prototype says, a container or a span.
+   *  With `indices` (rows), row i is value indices[i]: shared values, read-only to laws. */
+  template <detail::Values Values>
+  void AddPhysicalProperty(const std::string& name, Values&& values,
+                           std::span<const uint32_t> indices = {}) {
+    Register(vesper_provider_add_physical_property, name, values, indices);
+  }
+  /** Same arguments: the array grew, shrank or moved. */
+  template <detail::Values Values>
+  void RebindPhysicalProperty(const std::string& name, Values&& values,
+                              std::span<const uint32_t> indices = {}) {
+    Register(vesper_provider_rebind_physical_property, name, values, indices);
+  }
+  /** Throws ACCESS_CONFLICT while a loaded law needs the property. */
+  void RemovePhysicalProperty(const std::string& name) {
+    vesper_error error{};
+    detail::Check(vesper_provider_remove_physical_property(provider_, name.c_str(), &error), error);
+  }
+  /** The property as it is bound. */
+  vesper_property FindPhysicalProperty(const std::string& name) const {
+    vesper_property property{};
+    property.struct_size = sizeof property;
+    vesper_error error{};
+    detail::Check(
+        vesper_provider_find_physical_property(provider_, name.c_str(), &property, &error), error);
+    return property;
+  }
+  /** Says that values of these properties were edited in place; see vesper_provider_touch. */
+  void Touch(std::initializer_list<const char*> names) {
+    vesper_error error{};
+    detail::Check(vesper_provider_touch(provider_, names.begin(),
+                                        static_cast<uint32_t>(names.size()), &error),
+                  error);
+  }
+  /** Says so of all properties. */
+  void Touch() {
+    vesper_error error{};
+    detail::Check(vesper_provider_touch(provider_, nullptr, 0, &error), error);
+  }
+
+ private:
+  friend class PhysicsEngine;
+  using RegisterFunction = decltype(&vesper_provider_add_physical_property);
+
+  PhysicalPropertyProvider(vesper_provider* provider, const detail::Shapes& shapes)
+      : provider_(provider), shapes_(&shapes) {}
+
+  template <class Values>
+  void Register(RegisterFunction function, const std::string& name, Values& values,
+                std::span<const uint32_t> indices) {
+    using Value = std::ranges::range_value_t<Values>;
+    const uint64_t rows = RowsOf(name, detail::ScalarTypeOf<Value>(), std::ranges::size(values));
+    vesper_error error{};
+    detail::Check(function(provider_, name.c_str(), std::ranges::data(values), rows,
+                           indices.data(), indices.data() ? indices.size() : rows, &error),
+                  error);
+  }
+
+  uint64_t RowsOf(const std::string& name, vesper_scalar_type type, uint64_t size) const {
+    const auto shape = shapes_->find(name);
+    if (shape == shapes_->end()) return size;  // the engine knows how to refuse the name
+    const auto [expected, components] = shape->second;
+    if (type != expected) {
+      detail::Throw(VESPER_TYPE_MISMATCH, name,
+                    "property '" + name + "': array of " + detail::NameOf(type) + ", expected " +
+                        detail::NameOf(expected));
+    }
+    if (size % components != 0) {
+      detail::Throw(VESPER_COUNT_MISMATCH, name,
+                    "property '" + name + "': array of " + std::to_string(size) +
+                        " values, expected a multiple of its " + std::to_string(components) +
+                        " components");
+    }
+    return size / components;
+  }
+
+  vesper_provider* provider_;
+  const detail::Shapes* shapes_;
+};
+
+/** A law library that was opened and checked, on any thread, and that no engine has taken yet. */
+class PreparedLibrary {
+ public:
+  /** `library`: a bare name to search in `config.law_path`, or a path with a '/'. */
+  PreparedLibrary(const EngineConfig& config, const std::string& library) {
+    const vesper_engine_config view = config.View();
+    vesper_prepared_library* prepared = nullptr;
+    vesper_error error{};
+    detail::Check(vesper_library_prepare(&view, library.c_str(), &prepared, &error), error);
+    prepared_.reset(prepared);
+  }
+
+  /** Name in the library's own table. */
+  std::string name() const { return vesper_library_name(prepared_.get()); }
+
+ private:
+  friend class PhysicsEngine;
+  struct Discard {
+    void operator()(vesper_prepared_library* prepared) const { vesper_library_discard(prepared); }
+  };
+  std::unique_ptr<vesper_prepared_library, Discard> prepared_;
+};
+
+/** Applies laws to named arrays that belong to the client. Move-only. */
+class PhysicsEngine {
+ public:
+  /** A standard prototype, by name. */
+  explicit PhysicsEngine(const std::string& prototype, EngineConfig config = {})
+      : PhysicsEngine(StandardPrototype(prototype), std::move(config)) {}
+
+  explicit PhysicsEngine(const vesper_prototype& prototype, EngineConfig config = {})
+      : state_(std::make_unique<State>(State{std::move(config), detail::ShapesOf(prototype)})) {
+    const vesper_engine_config view = state_->config.View();
+    vesper_engine* engine = nullptr;
+    vesper_error error{};
+    detail::Check(vesper_engine_create(&view, &prototype, &engine, &error), error);
+    engine_.reset(engine);
+  }
+
+  PhysicalPropertyProvider PropertyProvider() {
+    return {vesper_engine_property_provider(engine_.get()), state_->shapes};
+  }
+
+  /** `library`: a bare name to search in the law path, or a path with a '/'. */
+  vesper_library_id LoadPhysicsLaw(const std::string& library,
+                                   const std::vector<ParameterValue>& parameters = {}) {
+    const auto values = View(parameters);
+    vesper_library_id id = VESPER_NO_LIBRARY;
+    vesper_error error{};
+    detail::Check(vesper_engine_load_physics_law(engine_.get(), library.c_str(), values.data(),
+                                                 static_cast<uint32_t>(values.size()), &id, &error),
+                  error);
+    return id;
+  }
+  /** Instant. `prepared` stays as it was if this throws. */
+  vesper_library_id LoadPhysicsLaw(PreparedLibrary&& prepared,
+                                   const std::vector<ParameterValue>& parameters = {}) {
+    const auto values = View(parameters);
+    vesper_library_id id = VESPER_NO_LIBRARY;
+    vesper_error error{};
+    detail::Check(vesper_engine_load_prepared(engine_.get(), prepared.prepared_.get(),
+                                              values.data(), static_cast<uint32_t>(values.size()),
+                                              &id, &error),
+                  error);
+    static_cast<void>(prepared.prepared_.release());
+    return id;
+  }
+  void UnloadPhysicsLaw(vesper_library_id library) {
+    vesper_error error{};
+    detail::Check(vesper_engine_unload_physics_law(engine_.get(), library, &error), error);
+  }
+  /** The laws of a loaded library, in the engine's precision; valid until it is unloaded. */
+  std::vector<vesper_law_info> Laws(vesper_library_id library) const {
+    std::vector<vesper_law_info> laws;
+    vesper_error error{};
+    for (uint32_t i = 0;; ++i) {
+      vesper_law_info info{};
+      info.struct_size = sizeof info;
+      const vesper_status status =
+          vesper_engine_law_info(engine_.get(), library, i, &info, &error);
+      if (status == VESPER_NOT_FOUND && i > 0) return laws;
+      detail::Check(status, error);
+      laws.push_back(info);
+    }
+  }
+
+  /** Applies all laws for `steps` steps of `dt` [time unit of the prototype]: all count, or none.
+   *  After a throw the written arrays are undefined: restore them, then ClearFault or unload
+   *  Error::library(). */
+  void Advance(double dt, uint32_t steps = 1) {
+    vesper_error error{};
+    const vesper_status status = vesper_engine_advance(engine_.get(), dt, steps, &error);
+    if (status != VESPER_OK) throw Error(error, LawName(error));
+  }
+  void ClearFault() {
+    vesper_error error{};
+    detail::Check(vesper_engine_clear_fault(engine_.get(), &error), error);
+  }
+  /** Steps done since creation. */
+  uint64_t StepCount() const { return vesper_engine_step_count(engine_.get()); }
+  /** Same state, same hash; see vesper_engine_state_hash. */
+  uint64_t StateHash() {
+    uint64_t hash = 0;
+    vesper_error error{};
+    detail::Check(vesper_engine_state_hash(engine_.get(), &hash, &error), error);
+    return hash;
+  }
+
+ private:
+  /** What the engine or its provider point to; stays in place when the engine moves. */
+  struct State {
+    EngineConfig config;
+    detail::Shapes shapes;
+  };
+  struct Destroy {
+    void operator()(vesper_engine* engine) const { vesper_engine_destroy(engine); }
+  };
+
+  static std::vector<vesper_parameter> View(const std::vector<ParameterValue>& parameters) {
+    std::vector<vesper_parameter> view;
+    for (const ParameterValue& parameter : parameters) {
+      view.push_back({sizeof(vesper_parameter), 0, parameter.name.c_str(), parameter.value});
+    }
+    return view;
+  }
+
+  std::string LawName(const vesper_error& blame) const {
+    vesper_law_info info{};
+    info.struct_size = sizeof info;
+    const vesper_status status = vesper_engine_law_info(engine_.get(), blame.library_id,
+                                                        blame.law_index, &info, nullptr);
+    return status == VESPER_OK ? info.name : "";
+  }
+
+  std::unique_ptr<State> state_;
+  std::unique_ptr<vesper_engine, Destroy> engine_;
+};
+
+}  // namespace vesper
+
+#endif  // VESPER_VESPER_HPP_
