@@ -1,0 +1,5 @@
+/** What is worked out from other properties, in DERIVE. */
+@NullMarked
+package reve.core.derive;
+
+import org.jspecify.annotations.NullMarked;

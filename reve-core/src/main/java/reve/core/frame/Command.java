@@ -1,0 +1,16 @@
+package reve.core.frame;
+
+import reve.core.world.World;
+
+/** Something that wants to be done to the world, from any thread, once, in ACT of some frame. */
+public interface Command {
+
+    /** Declared name of who asks; commands of one frame are ordered by it first. */
+    String origin();
+
+    /** Rises with every command of an origin; orders them. */
+    long sequence();
+
+    /** Called on the world's thread in ACT. What it throws is reported and harms nobody else. */
+    void execute(World world, FrameEvent event);
+}

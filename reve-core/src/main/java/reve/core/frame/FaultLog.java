@@ -1,0 +1,34 @@
+package reve.core.frame;
+
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Set;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+import reve.core.world.WorldEvent;
+
+/** Turns what listeners and commands throw into "fault" events, each distinct message once. */
+final class FaultLog {
+
+    private static final Logger LOG = LoggerFactory.getLogger(FaultLog.class);
+    private static final int MAX_DISTINCT = 1000;
+
+    private final Set<String> reported = new HashSet<>();
+
+    /** Reports unless this source said the same before, or too much was reported already. */
+    void report(FrameEvent event, String source, Throwable fault) {
+        String message = String.valueOf(fault.getMessage());
+        String type = fault.getClass().getSimpleName();
+        if (reported.size() >= MAX_DISTINCT || !reported.add(source + type + message)) {
+            return;
+        }
+        LOG.error("frame {} {}: {} failed", event.frame(), event.phase(), source, fault);
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("phase", event.phase().name());
+        fields.put("source", source);
+        fields.put("error", type);
+        fields.put("message", message);
+        event.world().raise(new WorldEvent(event.frame(), "fault", fields));
+    }
+}

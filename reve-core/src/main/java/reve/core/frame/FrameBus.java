@@ -1,0 +1,69 @@
+package reve.core.frame;
+
+import java.util.Arrays;
+import java.util.EnumMap;
+import java.util.Map;
+
+/**
+ * Tells listeners about the phases of each frame, in the order they subscribed. Subscribing and
+ * closing work from any thread; calls come on the world's thread.
+ */
+public final class FrameBus {
+
+    private static final Subscriber[] NONE = {};
+
+    private final Map<FramePhase, Subscriber[]> subscribers = new EnumMap<>(FramePhase.class);
+    private final FaultLog faults = new FaultLog();
+
+    public FrameBus() {
+        for (FramePhase phase : FramePhase.values()) {
+            subscribers.put(phase, NONE);
+        }
+    }
+
+    /**
+     * Adds a listener, from the next dispatch of its phase on.
+     *
+     * @param name who it is, for messages
+     * @throws IllegalStateException if the phase is PHYSICS and has a listener already
+     */
+    public synchronized Subscription subscribe(FramePhase phase, String name,
+            FrameListener listener) {
+        Subscriber[] old = subscribers.get(phase);
+        if (phase == FramePhase.PHYSICS && old.length > 0) {
+            throw new IllegalStateException("PHYSICS takes one listener and has " + old[0].name
+                    + "; close that before subscribing " + name);
+        }
+        var subscriber = new Subscriber(name, listener);
+        Subscriber[] grown = Arrays.copyOf(old, old.length + 1);
+        grown[old.length] = subscriber;
+        subscribers.put(phase, grown);
+        return () -> unsubscribe(phase, subscriber);
+    }
+
+    /**
+     * Calls the listeners of the event's phase. One that throws does not keep the others from being
+     * called; it is reported as a "fault" event, once for each distinct message.
+     */
+    void dispatch(FrameEvent event) {
+        for (Subscriber subscriber : current(event.phase())) {
+            try {
+                subscriber.listener.onFrame(event);
+            } catch (Exception | LinkageError | StackOverflowError e) {
+                faults.report(event, subscriber.name, e);
+            }
+        }
+    }
+
+    private synchronized Subscriber[] current(FramePhase phase) {
+        return subscribers.get(phase);
+    }
+
+    private synchronized void unsubscribe(FramePhase phase, Subscriber subscriber) {
+        Subscriber[] remaining = Arrays.stream(subscribers.get(phase))
+                .filter(other -> other != subscriber).toArray(Subscriber[]::new);
+        subscribers.put(phase, remaining);
+    }
+
+    private record Subscriber(String name, FrameListener listener) {}
+}

@@ -1,0 +1,34 @@
+package reve.core.frame;
+
+/**
+ * How simulated time is cut up.
+ *
+ * @param framesPerSecond frames per simulated second, 1 to 10,000
+ * @param stepsPerFrame physics steps per frame, 1 to 10,000
+ */
+public record Timing(int framesPerSecond, int stepsPerFrame) {
+
+    /** 60 frames a second, one step each. */
+    public static final Timing DEFAULT = new Timing(60, 1);
+
+    public Timing {
+        requireRange("frames per second", framesPerSecond);
+        requireRange("steps per frame", stepsPerFrame);
+    }
+
+    /** Length of one physics step [s]. */
+    public double dtSeconds() {
+        return 1.0 / ((double) framesPerSecond * stepsPerFrame);
+    }
+
+    /** Simulated time at the end of a frame [s]: a product, never a sum. */
+    public double timeSeconds(long frame) {
+        return frame * stepsPerFrame * dtSeconds();
+    }
+
+    private static void requireRange(String what, int value) {
+        if (value < 1 || value > 10_000) {
+            throw new IllegalArgumentException(what + " is " + value + ", expected 1 to 10000");
+        }
+    }
+}

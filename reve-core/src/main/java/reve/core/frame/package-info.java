@@ -1,0 +1,5 @@
+/** The frame: its phases, who takes part in them, and how fast they follow each other. */
+@NullMarked
+package reve.core.frame;
+
+import org.jspecify.annotations.NullMarked;

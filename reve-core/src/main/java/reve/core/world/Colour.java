@@ -1,0 +1,37 @@
+package reve.core.world;
+
+import java.util.regex.Pattern;
+
+/**
+ * An sRGB colour with straight alpha.
+ *
+ * @param rgba red in the low byte, then green, blue, alpha, so that the bytes in memory are r g b a
+ *     on a little-endian machine
+ */
+public record Colour(int rgba) {
+
+    /** What an item has that names no colour: light grey. */
+    public static final Colour DEFAULT = parse("#cccccc");
+
+    private static final Pattern TEXT = Pattern.compile("#[0-9a-fA-F]{6}([0-9a-fA-F]{2})?");
+
+    /**
+     * Reads {@code #rrggbb} or {@code #rrggbbaa}.
+     *
+     * @throws IllegalArgumentException for anything else
+     */
+    public static Colour parse(String text) {
+        if (!TEXT.matcher(text).matches()) {
+            throw new IllegalArgumentException(
+                    "colour \"" + text + "\": expected #rrggbb or #rrggbbaa, for example #c0392b");
+        }
+        String digits = text.length() == 7 ? text.substring(1) + "ff" : text.substring(1);
+        return new Colour(Integer.reverseBytes(Integer.parseUnsignedInt(digits, 16)));
+    }
+
+    /** {@code #rrggbbaa}, which {@link #parse} reads back. */
+    @Override
+    public String toString() {
+        return String.format("#%08x", Integer.reverseBytes(rgba));
+    }
+}

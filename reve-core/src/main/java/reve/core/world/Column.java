@@ -1,0 +1,102 @@
+package reve.core.world;
+
+import java.lang.foreign.MemorySegment;
+
+/**
+ * A live column. World's thread only. Values are not checked here; the aspects check them.
+ */
+public final class Column extends ColumnView {
+
+    private MemorySegment memory;
+    private MemorySegment used;
+    private int rows;
+    private long version;
+
+    Column(PropertyDescriptor descriptor, MemorySegment memory) {
+        super(descriptor);
+        this.memory = memory;
+        this.used = memory.asSlice(0, 0);
+    }
+
+    @Override
+    public int rowCount() {
+        return rows;
+    }
+
+    @Override
+    public MemorySegment segment() {
+        long bytes = (long) rows * descriptor().rowBytes();
+        if (used.byteSize() != bytes) {
+            used = memory.asSlice(0, bytes);
+        }
+        return used;
+    }
+
+    /** Sets one number; reals are rounded to the column's type, integers keep their low 32 bits. */
+    public void setDouble(int row, int component, double value) {
+        long offset = offset(row, component);
+        switch (type()) {
+            case F64 -> memory.set(DOUBLE, offset, value);
+            case F32 -> memory.set(FLOAT, offset, (float) value);
+            case I32, U32 -> memory.set(INT, offset, (int) (long) value);
+            case REF -> throw wrongType("a number");
+        }
+        version++;
+    }
+
+    /** Sets one I32 or U32. */
+    public void setInt(int row, int component, int value) {
+        if (type() != ScalarType.I32 && type() != ScalarType.U32) {
+            throw wrongType("an integer");
+        }
+        memory.set(INT, offset(row, component), value);
+        version++;
+    }
+
+    /**
+     * Raised by every edit in place, so that whoever keeps something computed from the values knows when it is stale.
+     * What laws and DERIVE write does not raise it.
+     */
+    public long version() {
+        return version;
+    }
+
+    /** Raises the version after values were edited through {@link #segment()}. */
+    public void touch() {
+        version++;
+    }
+
+    /** References are set by the world only, which counts them. */
+    void setReference(int row, int component, long value) {
+        memory.set(LONG, offset(row, component), value);
+        version++;
+    }
+
+    @Override
+    MemorySegment memory() {
+        return memory;
+    }
+
+    /** Moves to larger memory and returns the old. */
+    MemorySegment moveTo(MemorySegment larger) {
+        MemorySegment old = memory;
+        MemorySegment.copy(old, 0, larger, 0, (long) rows * descriptor().rowBytes());
+        memory = larger;
+        used = larger.asSlice(0, 0);
+        return old;
+    }
+
+    void setRowCount(int count) {
+        rows = count;
+    }
+
+    void copyRow(int from, int to) {
+        long bytes = descriptor().rowBytes();
+        MemorySegment.copy(memory, from * bytes, memory, to * bytes, bytes);
+    }
+
+    void clearRow(int row) {
+        long bytes = descriptor().rowBytes();
+        memory.asSlice(row * bytes, bytes).fill((byte) 0);
+    }
+}

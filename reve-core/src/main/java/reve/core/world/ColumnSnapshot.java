@@ -1,0 +1,31 @@
+package reve.core.world;
+
+import java.lang.foreign.MemorySegment;
+
+/** A column as it was when a frame was published. Any thread, read only. */
+public final class ColumnSnapshot extends ColumnView {
+
+    private final MemorySegment segment;
+    private final int rows;
+
+    ColumnSnapshot(PropertyDescriptor descriptor, MemorySegment memory, int rows) {
+        super(descriptor);
+        this.segment = memory.asSlice(0, (long) rows * descriptor.rowBytes()).asReadOnly();
+        this.rows = rows;
+    }
+
+    @Override
+    public int rowCount() {
+        return rows;
+    }
+
+    @Override
+    public MemorySegment segment() {
+        return segment;
+    }
+
+    @Override
+    MemorySegment memory() {
+        return segment;
+    }
+}

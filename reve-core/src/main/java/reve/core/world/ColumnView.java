@@ -1,0 +1,105 @@
+package reve.core.world;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.util.Objects;
+import reve.core.unit.Unit;
+
+/**
+ * One property of all items of a kind as a packed array of shape (rows x components), in native byte order: live
+ * ({@link Column}) or as it was in a snapshot ({@link ColumnSnapshot}). Row and component are checked on every access;
+ * loops over many rows use {@link #segment()}.
+ */
+public abstract sealed class ColumnView permits Column, ColumnSnapshot {
+
+    static final ValueLayout.OfFloat FLOAT = ValueLayout.JAVA_FLOAT;
+    static final ValueLayout.OfDouble DOUBLE = ValueLayout.JAVA_DOUBLE;
+    static final ValueLayout.OfInt INT = ValueLayout.JAVA_INT;
+    static final ValueLayout.OfLong LONG = ValueLayout.JAVA_LONG;
+
+    private final PropertyDescriptor descriptor;
+
+    ColumnView(PropertyDescriptor descriptor) {
+        this.descriptor = descriptor;
+    }
+
+    public final PropertyDescriptor descriptor() {
+        return descriptor;
+    }
+
+    public final String name() {
+        return descriptor.name();
+    }
+
+    public final ScalarType type() {
+        return descriptor.type();
+    }
+
+    public final int components() {
+        return descriptor.components();
+    }
+
+    public final Unit unit() {
+        return descriptor.unit();
+    }
+
+    public abstract int rowCount();
+
+    /** Exactly the used rows. Ask again whenever {@link World#layoutVersion()} changed. */
+    public abstract MemorySegment segment();
+
+    /** {@link #segment()} as a direct buffer in native byte order. */
+    public final ByteBuffer buffer() {
+        return segment().asByteBuffer().order(ByteOrder.nativeOrder());
+    }
+
+    /** One number of any type but REF; U32 comes as 0 to 2^32 - 1. */
+    public final double getDouble(int row, int component) {
+        long offset = offset(row, component);
+        return switch (type()) {
+            case F64 -> memory().get(DOUBLE, offset);
+            case F32 -> memory().get(FLOAT, offset);
+            case I32 -> memory().get(INT, offset);
+            case U32 -> Integer.toUnsignedLong(memory().get(INT, offset));
+            case REF -> throw wrongType("a number");
+        };
+    }
+
+    /** One I32 or U32 (as its 32 bits). */
+    public final int getInt(int row, int component) {
+        long offset = offset(row, component);
+        return switch (type()) {
+            case I32, U32 -> memory().get(INT, offset);
+            case F64, F32, REF -> throw wrongType("an integer");
+        };
+    }
+
+    /** One REF: the value of an {@link ItemId}, 0 for none. */
+    public final long getReference(int row, int component) {
+        if (type() != ScalarType.REF) {
+            throw wrongType("a reference");
+        }
+        return memory().get(LONG, offset(row, component));
+    }
+
+    /** Memory that holds at least {@link #rowCount()} rows. */
+    abstract MemorySegment memory();
+
+    final long offset(int row, int component) {
+        Objects.checkIndex(row, rowCount());
+        Objects.checkIndex(component, components());
+        return ((long) row * components() + component) * type().bytes();
+    }
+
+    final IllegalStateException wrongType(String wanted) {
+        return new IllegalStateException("property " + name() + " holds " + type() + ", not " + wanted);
+    }
+
+    @Override
+    public final String toString() {
+        return descriptor.kind() + "." + name() + " " + type() + "x" + components() + " [" + unit().symbol() + "], "
+                + rowCount() + " rows";
+    }
+}

@@ -1,0 +1,88 @@
+package reve.core.world;
+
+/**
+ * One thing in a world. It holds no numbers: its aspects are views of its row in the columns. World's
+ * thread only; a removed item refuses every use.
+ */
+public final class Item {
+
+    static final int REMOVED = -1;
+
+    private final World world;
+    private final Table table;
+    private ItemSymbols symbols;
+
+    /** Where the item is now; kept by its table. */
+    int row = REMOVED;
+
+    /** How many references of other items point here; kept by the world. */
+    int referrers;
+
+    Item(World world, Table table, ItemSymbols symbols) {
+        this.world = world;
+        this.table = table;
+        this.symbols = symbols;
+    }
+
+    public ItemId id() {
+        return symbols.id();
+    }
+
+    public String name() {
+        return symbols.name();
+    }
+
+    public String kind() {
+        return symbols.kind();
+    }
+
+    /** Where the item is and what it looks like. */
+    public PhysicalAspect physical() {
+        return new PhysicalAspect(this);
+    }
+
+    /** What agents perceive of it. */
+    public SemanticAspect semantic() {
+        return new SemanticAspect(this);
+    }
+
+    /** What agents can do with it. */
+    public AccessAspect access() {
+        return new AccessAspect(this);
+    }
+
+    /** What physics laws see of it; empty for scenery. */
+    public PhysicsAspect physics() {
+        return new PhysicsAspect(this);
+    }
+
+    World world() {
+        return world;
+    }
+
+    Table table() {
+        return table;
+    }
+
+    ItemSymbols symbols() {
+        return symbols;
+    }
+
+    void setSymbols(ItemSymbols newSymbols) {
+        symbols = newSymbols;
+    }
+
+    /** The current row, after checking thread and life. */
+    int checkedRow() {
+        world.checkOwner();
+        if (row == REMOVED) {
+            throw new IllegalStateException(this + " was removed from world " + world.name());
+        }
+        return row;
+    }
+
+    @Override
+    public String toString() {
+        return "item " + name() + " (" + kind() + " " + id() + ")";
+    }
+}

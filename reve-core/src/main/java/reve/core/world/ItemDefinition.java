@@ -1,0 +1,209 @@
+package reve.core.world;
+
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.access.Action;
+
+/**
+ * Everything an item begins with. What can be checked without a world is checked here, the rest by
+ * {@link World#add}. Immutable; any number of worlds may use it.
+ */
+public final class ItemDefinition {
+
+    private final String name;
+    private final String kind;
+    private final boolean placed;
+    private final Shape shape;
+    private final Colour colour;
+    private final double[] location;
+    private final double[] orientation;
+    private final Map<String, Object> symbols;
+    private final List<Action> actions;
+    private final Map<String, double[]> numbers;
+    private final Map<String, List<String>> references;
+
+    private ItemDefinition(Builder builder) {
+        name = builder.name;
+        kind = builder.kind;
+        placed = builder.placed;
+        shape = builder.shape;
+        colour = builder.colour;
+        location = builder.location;
+        orientation = builder.orientation;
+        symbols = Collections.unmodifiableMap(new LinkedHashMap<>(builder.symbols));
+        actions = List.copyOf(builder.actions);
+        numbers = new LinkedHashMap<>(builder.numbers);
+        references = new LinkedHashMap<>(builder.references);
+    }
+
+    /** Begins a definition: kind body, no shape, at the origin, scenery. */
+    public static Builder named(String name) {
+        return new Builder(name);
+    }
+
+    /** The same item under another name, for templates. */
+    public ItemDefinition renamed(String newName) {
+        Builder copy = new Builder(newName);
+        copy.kind = kind;
+        copy.placed = placed;
+        copy.shape = shape;
+        copy.colour = colour;
+        copy.location = location;
+        copy.orientation = orientation;
+        copy.symbols.putAll(symbols);
+        copy.actions.addAll(actions);
+        copy.numbers.putAll(numbers);
+        copy.references.putAll(references);
+        return copy.build();
+    }
+
+    public String name() {
+        return name;
+    }
+
+    public String kind() {
+        return kind;
+    }
+
+    public Shape shape() {
+        return shape;
+    }
+
+    public Colour colour() {
+        return colour;
+    }
+
+    /** Place of the origin (3) [m]. */
+    public double[] location() {
+        return location.clone();
+    }
+
+    /** Unit quaternion xyzw (4). */
+    public double[] orientation() {
+        return orientation.clone();
+    }
+
+    /** Designer's symbols: String, Double or Boolean. */
+    public Map<String, Object> symbols() {
+        return symbols;
+    }
+
+    public List<Action> actions() {
+        return actions;
+    }
+
+    /** True if the item takes part in physics, else it is scenery. */
+    public boolean hasPhysics() {
+        return !numbers.isEmpty() || !references.isEmpty();
+    }
+
+    /** Names of the numeric physics properties given, in the order given. */
+    public List<String> physicsProperties() {
+        return List.copyOf(numbers.keySet());
+    }
+
+    /** Values of a numeric physics property [its unit], empty if not given. */
+    public Optional<double[]> physics(String property) {
+        return Optional.ofNullable(numbers.get(property)).map(double[]::clone);
+    }
+
+    /** Names of the items that each reference property refers to. */
+    public Map<String, List<String>> references() {
+        return Collections.unmodifiableMap(references);
+    }
+
+    /** True if shape, colour, place or orientation were given. */
+    boolean isPlaced() {
+        return placed;
+    }
+
+    /** Collects a definition; each method refuses what cannot be right with a message naming it. */
+    public static final class Builder {
+
+        private final String name;
+        private String kind = WorldPrototype.BODY;
+        private boolean placed;
+        private Shape shape = Shape.none();
+        private Colour colour = Colour.DEFAULT;
+        private double[] location = {0, 0, 0};
+        private double[] orientation = {0, 0, 0, 1};
+        private final Map<String, Object> symbols = new LinkedHashMap<>();
+        private final List<Action> actions = new ArrayList<>();
+        private final Map<String, double[]> numbers = new LinkedHashMap<>();
+        private final Map<String, List<String>> references = new LinkedHashMap<>();
+
+        private Builder(String name) {
+            this.name = Names.require("item name", name);
+        }
+
+        public Builder kind(String newKind) {
+            kind = newKind;
+            return this;
+        }
+
+        public Builder shape(Shape newShape) {
+            placed = true;
+            shape = newShape;
+            return this;
+        }
+
+        /** As {@link Colour#parse}. */
+        public Builder colour(String text) {
+            placed = true;
+            colour = Colour.parse(text);
+            return this;
+        }
+
+        /** Place of the origin in the world frame [m]. */
+        public Builder at(double x, double y, double z) {
+            placed = true;
+            location = new double[] {x, y, z};
+            Values.requireFinite(name, "position", location);
+            return this;
+        }
+
+        /** Rotation as a quaternion of any length but 0; it is normalised. */
+        public Builder orientation(double x, double y, double z, double w) {
+            placed = true;
+            orientation = Values.requireRotation(name, x, y, z, w);
+            return this;
+        }
+
+        /** A semantic symbol: text, truth or a finite number. */
+        public Builder symbol(String symbol, Object value) {
+            symbols.put(symbol, Values.requireSymbol(name, symbol, value));
+            return this;
+        }
+
+        /** Something that agents can do with the item. */
+        public Builder action(Action action) {
+            if (actions.stream().anyMatch(other -> other.name().equals(action.name()))) {
+                throw new IllegalArgumentException(
+                        "item " + name + " has two actions named " + action.name());
+            }
+            actions.add(action);
+            return this;
+        }
+
+        /** A numeric physics property [its SI unit]. */
+        public Builder physics(String property, double... values) {
+            Values.requireFinite(name, property, values);
+            numbers.put(property, values.clone());
+            return this;
+        }
+
+        /** A physics property that refers to items by name: {@code end1}, {@code vertices}, ... */
+        public Builder reference(String property, String... itemNames) {
+            references.put(property, List.of(itemNames));
+            return this;
+        }
+
+        public ItemDefinition build() {
+            return new ItemDefinition(this);
+        }
+    }
+}

@@ -1,0 +1,21 @@
+package reve.core.world;
+
+/** Identity of an item for as long as its world lives: positive, given out in rising order, never reused. */
+public record ItemId(long value) implements Comparable<ItemId> {
+
+    public ItemId {
+        if (value <= 0) {
+            throw new IllegalArgumentException("item id " + value + ": expected a positive number");
+        }
+    }
+
+    @Override
+    public int compareTo(ItemId other) {
+        return Long.compare(value, other.value);
+    }
+
+    @Override
+    public String toString() {
+        return "#" + value;
+    }
+}

@@ -1,0 +1,78 @@
+package reve.core.world;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
+import reve.core.access.Action;
+
+/**
+ * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.
+ *
+ * @param given the designer's symbols by name, in alphabetical order: String, Double or Boolean
+ * @param actions the access aspect
+ */
+public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
+        PMap<String, Object> given, List<Action> actions) {
+
+    static final String NAME = "name";
+    static final String CLASS = "class";
+    static final String DIMENSIONS = "dimensions";
+
+    /** Standard symbols that cannot be set. */
+    public static final Set<String> DERIVED = Set.of(NAME, DIMENSIONS);
+
+    ItemSymbols(ItemId id, ItemDefinition definition) {
+        this(id, definition.name(), definition.kind(), definition.shape(),
+                given(definition.symbols()), definition.actions());
+    }
+
+    /** A designer's symbol, or a standard one: see {@link #symbols()}. */
+    public Optional<Object> get(String symbol) {
+        return switch (symbol) {
+            case NAME -> Optional.of(name);
+            case DIMENSIONS -> shape == Shape.none() ? Optional.empty() : Optional.of(dimensions());
+            case CLASS -> Optional.of(given.getOrDefault(CLASS, kind));
+            default -> Optional.ofNullable(given.get(symbol));
+        };
+    }
+
+    /**
+     * All symbols: first the standard ones {@code name}, {@code class} (the kind unless the designer
+     * says otherwise) and, if the item has a shape, {@code dimensions} (a list of three extents [m]
+     * along its own axes), then the designer's in alphabetical order. A new map each time.
+     */
+    public Map<String, Object> symbols() {
+        var all = new LinkedHashMap<String, Object>();
+        all.put(NAME, name);
+        all.put(CLASS, kind);
+        if (shape != Shape.none()) {
+            all.put(DIMENSIONS, dimensions());
+        }
+        all.putAll(given);
+        return all;
+    }
+
+    ItemSymbols with(String symbol, Object value) {
+        return new ItemSymbols(id, name, kind, shape, given.plus(symbol, value), actions);
+    }
+
+    ItemSymbols without(String symbol) {
+        return new ItemSymbols(id, name, kind, shape, given.minus(symbol), actions);
+    }
+
+    ItemSymbols with(Shape newShape) {
+        return new ItemSymbols(id, name, kind, newShape, given, actions);
+    }
+
+    private List<Double> dimensions() {
+        return List.of(shape.size(0), shape.size(1), shape.size(2));
+    }
+
+    private static PMap<String, Object> given(Map<String, Object> symbols) {
+        return symbols.isEmpty() ? TreePMap.empty() : TreePMap.from(symbols);
+    }
+}

@@ -1,0 +1,49 @@
+package reve.core.world;
+
+import java.util.regex.Pattern;
+
+/** The one place that decides what a name may be. */
+final class Names {
+
+    static final int MAX_LENGTH = 128;
+
+    private static final Pattern IDENTIFIER = Pattern.compile("[A-Za-z][A-Za-z0-9_]{0,46}");
+
+    private Names() {}
+
+    /** A name people choose and read: items, symbols. */
+    static String require(String what, String name) {
+        if (name.isBlank()) {
+            throw new IllegalArgumentException(what + " is empty");
+        }
+        if (name.length() > MAX_LENGTH) {
+            throw new IllegalArgumentException(what + " \"" + name.substring(0, 32) + "...\" has " + name.length()
+                    + " characters, at most " + MAX_LENGTH + " are allowed");
+        }
+        if (name.chars().anyMatch(Character::isISOControl)) {
+            throw new IllegalArgumentException(what + " \"" + escaped(name) + "\" contains a control character");
+        }
+        return name;
+    }
+
+    /** A name that laws look up: properties, kinds. Short enough for the C side's 48 bytes. */
+    static String requireIdentifier(String what, String name) {
+        if (!IDENTIFIER.matcher(name).matches()) {
+            throw new IllegalArgumentException(what + " \"" + escaped(name)
+                    + "\": expected a letter, then letters, digits or _, at most 47 in all");
+        }
+        return name;
+    }
+
+    private static String escaped(String name) {
+        StringBuilder out = new StringBuilder();
+        name.chars().limit(MAX_LENGTH).forEach(c -> {
+            if (Character.isISOControl(c)) {
+                out.append(String.format("\\u%04x", c));
+            } else {
+                out.append((char) c);
+            }
+        });
+        return out.toString();
+    }
+}

@@ -1,0 +1,123 @@
+package reve.core.world;
+
+import java.util.ArrayList;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Set;
+
+/**
+ * What physics laws see of an item: a view of its row. An item whose physics aspect is empty is
+ * scenery, which no law can move. World's thread only.
+ */
+public final class PhysicsAspect {
+
+    private final Item item;
+
+    PhysicsAspect(Item item) {
+        this.item = item;
+    }
+
+    public boolean isEmpty() {
+        return item.checkedRow() >= item.table().physicsRowCount();
+    }
+
+    /** All properties of the item's kind, or none if the aspect is empty; in a fixed order. */
+    public Set<String> properties() {
+        var names = new LinkedHashSet<String>();
+        if (!isEmpty()) {
+            for (PropertyDescriptor property : item.world().prototype().properties()) {
+                if (property.kind().equals(item.kind())) {
+                    names.add(property.name());
+                }
+            }
+        }
+        return names;
+    }
+
+    /**
+     * The value of a numeric property with one component [its unit].
+     *
+     * @throws IllegalArgumentException if the kind has no such property or it has more components
+     * @throws IllegalStateException if the aspect is empty
+     */
+    public double scalar(String property) {
+        Column column = existing(property);
+        if (column.components() != 1) {
+            throw new IllegalArgumentException(item + ": " + property + " has "
+                    + column.components() + " components: ask for the vector");
+        }
+        return column.getDouble(item.checkedRow(), 0);
+    }
+
+    /** All components of a numeric property [its unit]; throws as {@link #scalar}. */
+    public double[] vector(String property) {
+        Column column = existing(property);
+        double[] values = new double[column.components()];
+        for (int i = 0; i < values.length; i++) {
+            values[i] = column.getDouble(item.checkedRow(), i);
+        }
+        return values;
+    }
+
+    /**
+     * Sets a numeric property. The first one makes scenery physical, which moves its row and is
+     * therefore refused where the structure is locked.
+     *
+     * @throws IllegalArgumentException naming item, property and value if the property is unknown,
+     *     components are missing, or a number is not finite or does not fit its type
+     */
+    public void set(String property, double... values) {
+        Column column = column(property);
+        Values.requireFits(item.name(), column.descriptor(), values);
+        if (isEmpty()) {
+            item.world().giveFirstPhysics(item);
+        }
+        for (int i = 0; i < values.length; i++) {
+            column.setDouble(item.checkedRow(), i, values[i]);
+        }
+    }
+
+    /** The item that a property with one reference points at; throws as {@link #scalar}. */
+    public ItemId reference(String property) {
+        List<ItemId> all = references(property);
+        if (all.size() != 1) {
+            throw new IllegalArgumentException(item + ": " + property + " refers to " + all.size()
+                    + " items: ask for the references");
+        }
+        return all.getFirst();
+    }
+
+    /** The items that a reference property points at, in order; throws as {@link #scalar}. */
+    public List<ItemId> references(String property) {
+        Column column = existing(property);
+        var ids = new ArrayList<ItemId>(column.components());
+        for (int i = 0; i < column.components(); i++) {
+            ids.add(new ItemId(column.getReference(item.checkedRow(), i)));
+        }
+        return ids;
+    }
+
+    /**
+     * Points a reference property at other items; refused where the structure is locked.
+     *
+     * @throws IllegalArgumentException naming item and property if a target is not there, of the
+     *     wrong kind or scenery
+     */
+    public void setReferences(String property, ItemId... targets) {
+        item.world().setReferences(item, existing(property), List.of(targets));
+    }
+
+    private Column existing(String property) {
+        Column column = column(property);
+        if (isEmpty()) {
+            throw new IllegalStateException(
+                    item + " is scenery: its physics aspect is empty, so it has no " + property);
+        }
+        return column;
+    }
+
+    private Column column(String property) {
+        item.checkedRow();
+        return item.table().physicsColumn(property);
+    }
+}

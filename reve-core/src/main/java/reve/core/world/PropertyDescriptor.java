@@ -1,0 +1,41 @@
+package reve.core.world;
+
+import java.util.Objects;
+import java.util.Optional;
+import reve.core.unit.Unit;
+
+/**
+ * What a property is: one typed column of every item of a kind.
+ *
+ * @param name unique within a {@link WorldPrototype}
+ * @param kind the row space the property belongs to: {@code body}, {@code spring}, ...
+ * @param components numbers per item, 1 to 16
+ * @param refersTo the kind that a {@link ScalarType#REF} property points at; empty for numbers
+ */
+public record PropertyDescriptor(String name, String kind, ScalarType type, int components, Unit unit,
+        Optional<String> refersTo, String doc) {
+
+    /** Most numbers one item may have in one property: a 4 by 4 matrix. */
+    public static final int MAX_COMPONENTS = 16;
+
+    public PropertyDescriptor {
+        Names.requireIdentifier("property name", name);
+        Names.requireIdentifier("kind of property " + name, kind);
+        Objects.requireNonNull(type, "type");
+        Objects.requireNonNull(unit, "unit");
+        Objects.requireNonNull(doc, "doc");
+        if (components < 1 || components > MAX_COMPONENTS) {
+            throw new IllegalArgumentException("property " + name + ": " + components
+                    + " components, expected 1 to " + MAX_COMPONENTS);
+        }
+        if (refersTo.isPresent() != (type == ScalarType.REF)) {
+            throw new IllegalArgumentException("property " + name + ": a reference names the kind it refers to, "
+                    + "and only a reference does; found type " + type + ", refers to " + refersTo.orElse("nothing"));
+        }
+    }
+
+    /** Bytes of one row. */
+    public int rowBytes() {
+        return type.bytes() * components;
+    }
+}

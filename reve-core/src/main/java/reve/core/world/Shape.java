@@ -1,0 +1,113 @@
+package reve.core.world;
+
+/** The form of a body around its origin, in metres along its own axes. Immutable. */
+public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape.Plane, Mesh {
+
+    int NONE = 0;
+    int SPHERE = 1;
+    int BOX = 2;
+    int PLANE = 3;
+    int MESH = 4;
+
+    /** What the {@code shape} column holds for this form; the numbers never change their meaning. */
+    int code();
+
+    /** Extent along an own axis (0, 1, 2) [m]. */
+    double size(int axis);
+
+    static Shape none() {
+        return None.INSTANCE;
+    }
+
+    static Shape sphere(double radius) {
+        return new Sphere(radius);
+    }
+
+    static Shape box(double x, double y, double z) {
+        return new Box(x, y, z);
+    }
+
+    static Shape plane(double x, double z) {
+        return new Plane(x, z);
+    }
+
+    /** See {@link Mesh#Mesh}. */
+    static Shape mesh(float[] vertices, int[] triangles) {
+        return new Mesh(vertices, triangles);
+    }
+
+    /** A place without a form; nothing is drawn. */
+    enum None implements Shape {
+        INSTANCE;
+
+        @Override
+        public int code() {
+            return NONE;
+        }
+
+        @Override
+        public double size(int axis) {
+            return 0;
+        }
+    }
+
+    record Sphere(double radius) implements Shape {
+        public Sphere {
+            requireLength("radius of sphere", radius);
+        }
+
+        @Override
+        public int code() {
+            return SPHERE;
+        }
+
+        @Override
+        public double size(int axis) {
+            return 2 * radius;
+        }
+    }
+
+    /** A box centred on the origin. */
+    record Box(double x, double y, double z) implements Shape {
+        public Box {
+            requireLength("x size of box", x);
+            requireLength("y size of box", y);
+            requireLength("z size of box", z);
+        }
+
+        @Override
+        public int code() {
+            return BOX;
+        }
+
+        @Override
+        public double size(int axis) {
+            return axis == 0 ? x : axis == 1 ? y : z;
+        }
+    }
+
+    /** A flat rectangle centred on the origin that faces along its own +Y. */
+    record Plane(double x, double z) implements Shape {
+        public Plane {
+            requireLength("x size of plane", x);
+            requireLength("z size of plane", z);
+        }
+
+        @Override
+        public int code() {
+            return PLANE;
+        }
+
+        @Override
+        public double size(int axis) {
+            return axis == 0 ? x : axis == 1 ? 0 : z;
+        }
+    }
+
+    private static void requireLength(String what, double metres) {
+        if (!(metres > 0 && metres <= 1e12)) {
+            throw new IllegalArgumentException(
+                    what + " is " + metres + ", expected a positive length of at most 1e12 m");
+        }
+    }
+}

@@ -1,0 +1,74 @@
+package reve.core.world;
+
+import java.util.ArrayDeque;
+import java.util.Deque;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * A fixed number of slots that hold the last published frames of a world for any number of readers.
+ * Neither side ever waits: a frame goes into the oldest slot that nobody reads, or, if all are being
+ * read, into the oldest one, whose readers thereby lose it.
+ */
+public final class SnapshotRing {
+
+    private final World world;
+    /** All slots but the latest, oldest first. */
+    private final Deque<SnapshotSlot> older = new ArrayDeque<>();
+    private volatile @Nullable SnapshotSlot latest;
+
+    /** @param slots at least 2: one to read, one to write */
+    public SnapshotRing(World world, int slots) {
+        if (slots < 2) {
+            throw new IllegalArgumentException("snapshot ring of " + slots + " slots, expected 2 or more");
+        }
+        this.world = world;
+        for (int i = 0; i < slots; i++) {
+            older.add(new SnapshotSlot(world));
+        }
+    }
+
+    /**
+     * Copies the world as it is now, as one frame. World's thread, in PUBLISH. Allocates only when
+     * the world has grown or has events.
+     *
+     * @param frame number of the frame
+     * @param timeSeconds simulated time at its end [s]
+     */
+    public void publish(long frame, double timeSeconds) {
+        SnapshotSlot slot = takeSlot();
+        slot.write(world, frame, timeSeconds);
+        SnapshotSlot previous = latest;
+        latest = slot;
+        if (previous != null) {
+            older.addLast(previous);
+        }
+    }
+
+    /**
+     * The last frame published, empty before the first. Any thread; never waits. The reader closes
+     * it soon, and asks {@link WorldSnapshot#lost()} after reading.
+     */
+    public Optional<WorldSnapshot> acquireLatest() {
+        while (true) {
+            SnapshotSlot slot = latest;
+            if (slot == null) {
+                return Optional.empty();
+            }
+            Optional<WorldSnapshot> snapshot = slot.acquire();
+            if (snapshot.isPresent()) {
+                return snapshot;
+            }
+        }
+    }
+
+    private SnapshotSlot takeSlot() {
+        for (SnapshotSlot slot : older) {
+            if (slot.isFree()) {
+                older.remove(slot);
+                return slot;
+            }
+        }
+        return older.removeFirst();
+    }
+}

@@ -1,0 +1,73 @@
+package reve.core.world;
+
+import java.lang.invoke.VarHandle;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import java.util.concurrent.atomic.AtomicInteger;
+import java.util.concurrent.atomic.AtomicLong;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
+
+/**
+ * Room for one snapshot, guarded by a stamp (a sequence lock): odd while the world's thread writes,
+ * else even and different after every write.
+ */
+final class SnapshotSlot {
+
+    private final List<TableCopy> tables;
+    private final AtomicInteger readers = new AtomicInteger();
+    private final AtomicLong stamp = new AtomicLong();
+    private long frame;
+    private double timeSeconds;
+    private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
+    private List<WorldEvent> events = List.of();
+
+    SnapshotSlot(World world) {
+        tables = world.tables().stream().map(TableCopy::new).toList();
+    }
+
+    boolean isFree() {
+        return readers.get() == 0;
+    }
+
+    /** Overwrites the slot, readers or not. World's thread. */
+    void write(World world, long newFrame, double newTimeSeconds) {
+        stamp.setRelease(stamp.getPlain() + 1);
+        VarHandle.storeStoreFence();
+        frame = newFrame;
+        timeSeconds = newTimeSeconds;
+        symbols = world.symbols();
+        events = world.events();
+        for (int i = 0; i < tables.size(); i++) {
+            tables.get(i).copyFromTable();
+        }
+        stamp.setRelease(stamp.getPlain() + 1);
+    }
+
+    /** A view of what the slot holds, unless it is being overwritten. Any thread. */
+    Optional<WorldSnapshot> acquire() {
+        readers.incrementAndGet();
+        long before = stamp.getAcquire();
+        var views = new ArrayList<TableSnapshot>(tables.size());
+        for (TableCopy table : tables) {
+            views.add(table.view());
+        }
+        var snapshot =
+                new WorldSnapshot(this, before, frame, timeSeconds, views, symbols, events);
+        if (before % 2 == 1 || snapshot.lost()) {
+            snapshot.close();
+            return Optional.empty();
+        }
+        return Optional.of(snapshot);
+    }
+
+    boolean isOverwrittenSince(long earlierStamp) {
+        VarHandle.loadLoadFence();
+        return stamp.getAcquire() != earlierStamp;
+    }
+
+    void release() {
+        readers.decrementAndGet();
+    }
+}

@@ -1,0 +1,216 @@
+package reve.core.world;
+
+import java.lang.foreign.MemorySegment;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.unit.Unit;
+
+/** The live rows of one kind. World's thread only; rows come and go through {@link World}. */
+public final class Table implements TableView {
+
+    private static final int INITIAL_CAPACITY = 64;
+
+    private final World world;
+    private final String kind;
+    private final Column ids;
+    private final List<Column> columns;
+    private final Map<String, Column> byName = new LinkedHashMap<>();
+    private final Map<String, Column> physicsByName = new LinkedHashMap<>();
+    private Item[] items;
+    private int rowCount;
+    private int physicsRowCount;
+
+    Table(World world, String kind) {
+        this.world = world;
+        this.kind = kind;
+        items = new Item[kind.equals(WorldPrototype.WORLD) ? 1 : INITIAL_CAPACITY];
+        ids = create(new PropertyDescriptor("id", kind, ScalarType.REF, 1, Unit.parse("1"),
+                Optional.of(kind), "The item in each row."));
+        for (PropertyDescriptor property : world.prototype().physicalProperties()) {
+            if (property.kind().equals(kind)) {
+                byName.put(property.name(), create(property));
+            }
+        }
+        for (PropertyDescriptor property : world.prototype().properties()) {
+            if (property.kind().equals(kind)) {
+                physicsByName.put(property.name(), create(property));
+            }
+        }
+        byName.putAll(physicsByName);
+        columns = List.copyOf(byName.values());
+    }
+
+    @Override
+    public String kind() {
+        return kind;
+    }
+
+    @Override
+    public int rowCount() {
+        return rowCount;
+    }
+
+    @Override
+    public int physicsRowCount() {
+        return physicsRowCount;
+    }
+
+    @Override
+    public ItemId idAt(int row) {
+        return new ItemId(ids.getReference(row, 0));
+    }
+
+    @Override
+    public int rowOf(ItemId id) {
+        Item item = world.findItem(id);
+        return item != null && item.table() == this ? item.row : -1;
+    }
+
+    @Override
+    public Column column(String name) {
+        return required(byName, name);
+    }
+
+    @Override
+    public List<Column> columns() {
+        return columns;
+    }
+
+    /** The form of the item in a row. */
+    public Shape shapeAt(int row) {
+        return items[row].symbols().shape();
+    }
+
+    Column ids() {
+        return ids;
+    }
+
+    Column physicsColumn(String name) {
+        return required(physicsByName, name);
+    }
+
+    /** Columns of references, in a fixed order. */
+    List<Column> references() {
+        var found = new ArrayList<Column>();
+        for (Column column : physicsByName.values()) {
+            if (column.type() == ScalarType.REF) {
+                found.add(column);
+            }
+        }
+        return found;
+    }
+
+    Item itemAt(int row) {
+        return items[row];
+    }
+
+    /** Gives an item a zeroed row at the end of its part. */
+    void insert(Item item, boolean physics) {
+        makeRoom(rowCount + 1);
+        setRowCount(rowCount + 1);
+        int row = rowCount - 1;
+        if (physics) {
+            move(physicsRowCount, row);
+            row = physicsRowCount++;
+        }
+        put(item, row);
+    }
+
+    /** Takes an item's row away; the last row of each part moves into the gap. */
+    void remove(Item item) {
+        int gap = item.row;
+        if (gap < physicsRowCount) {
+            move(--physicsRowCount, gap);
+            gap = physicsRowCount;
+        }
+        move(rowCount - 1, gap);
+        items[rowCount - 1] = null;
+        item.row = Item.REMOVED;
+        setRowCount(rowCount - 1);
+    }
+
+    /** Moves a scenery row to the end of the physics part, values included. */
+    void promote(Item item) {
+        makeRoom(rowCount + 1);
+        int from = item.row;
+        int to = physicsRowCount++;
+        if (from != to) {
+            int spare = rowCount;
+            copy(to, spare);
+            Item displaced = items[to];
+            move(from, to);
+            copy(spare, from);
+            items[from] = displaced;
+            displaced.row = from;
+        }
+    }
+
+    /** Makes room for that many rows, at least doubling when more memory is needed. */
+    void makeRoom(int rows) {
+        if (rows <= items.length) {
+            return;
+        }
+        int capacity = Math.max(rows, Math.multiplyExact(items.length, 2));
+        grow(ids, capacity);
+        columns.forEach(column -> grow(column, capacity));
+        items = Arrays.copyOf(items, capacity);
+    }
+
+    private void grow(Column column, int capacity) {
+        world.retire(column.moveTo(reserve(column.descriptor(), capacity)));
+    }
+
+    private void put(Item item, int row) {
+        items[row] = item;
+        item.row = row;
+        for (Column column : columns) {
+            column.clearRow(row);
+        }
+        ids.setReference(row, 0, item.id().value());
+    }
+
+    private void move(int from, int to) {
+        if (from == to || items[from] == null) {
+            return;
+        }
+        copy(from, to);
+        items[to] = items[from];
+        items[to].row = to;
+    }
+
+    private void copy(int from, int to) {
+        ids.copyRow(from, to);
+        for (Column column : columns) {
+            column.copyRow(from, to);
+        }
+    }
+
+    private void setRowCount(int count) {
+        rowCount = count;
+        ids.setRowCount(count);
+        for (Column column : columns) {
+            column.setRowCount(count);
+        }
+    }
+
+    private Column required(Map<String, Column> among, String name) {
+        Column column = among.get(name);
+        if (column == null) {
+            throw new IllegalArgumentException(
+                    "kind " + kind + " has no property " + name + "; it has " + among.keySet());
+        }
+        return column;
+    }
+
+    private Column create(PropertyDescriptor property) {
+        return new Column(property, reserve(property, items.length));
+    }
+
+    private MemorySegment reserve(PropertyDescriptor property, int rows) {
+        return world.reserve(kind + "." + property.name(), (long) rows * property.rowBytes());
+    }
+}

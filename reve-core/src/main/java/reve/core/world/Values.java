@@ -1,0 +1,107 @@
+package reve.core.world;
+
+import java.util.Arrays;
+
+/** The door that numbers and symbol values pass on their way into a world. */
+final class Values {
+
+    static final int MAX_TEXT = 4096;
+
+    private Values() {}
+
+    static void requireFinite(String item, String property, double... values) {
+        for (double value : values) {
+            if (!Double.isFinite(value)) {
+                throw new IllegalArgumentException(
+                        at(item, property) + "is " + text(values) + ", expected finite numbers");
+            }
+        }
+    }
+
+    /** Checks number of components, finiteness and range against a numeric property. */
+    static void requireFits(String item, PropertyDescriptor property, double... values) {
+        String name = property.name();
+        if (property.type() == ScalarType.REF) {
+            throw new IllegalArgumentException(
+                    at(item, name) + "is a reference to another item, not a number");
+        }
+        if (values.length != property.components()) {
+            throw new IllegalArgumentException(at(item, name) + "has " + values.length
+                    + " components, expected " + property.components() + " ["
+                    + property.unit().symbol() + "]");
+        }
+        requireFinite(item, name, values);
+        for (double value : values) {
+            if (!fits(property.type(), value)) {
+                throw new IllegalArgumentException(at(item, name) + "is " + text(values)
+                        + ", which does not fit type " + property.type());
+            }
+        }
+    }
+
+    /**
+     * The quaternion scaled to length 1.
+     *
+     * @param xyzw four numbers of any length but 0
+     */
+    static double[] requireRotation(String item, double... xyzw) {
+        requireFinite(item, "orientation", xyzw);
+        double largest = 0;
+        for (double value : xyzw) {
+            largest = Math.max(largest, Math.abs(value));
+        }
+        if (largest == 0) {
+            throw new IllegalArgumentException(at(item, "orientation")
+                    + "is the zero quaternion, expected a rotation such as 0 0 0 1");
+        }
+        double sum = 0;
+        for (double value : xyzw) {
+            sum += value / largest * (value / largest);
+        }
+        double[] unit = new double[xyzw.length];
+        for (int i = 0; i < unit.length; i++) {
+            unit[i] = xyzw[i] / largest / Math.sqrt(sum);
+        }
+        return unit;
+    }
+
+    /** Text, truth or a finite number (as Double). */
+    static Object requireSymbol(String item, String symbol, Object value) {
+        Names.require("symbol name of item " + item, symbol);
+        if (ItemSymbols.DERIVED.contains(symbol)) {
+            throw new IllegalArgumentException(at(item, symbol)
+                    + "is a symbol that the world derives; it cannot be set");
+        }
+        return switch (value) {
+            case String text when text.length() > MAX_TEXT ->
+                throw new IllegalArgumentException(at(item, symbol) + "has " + text.length()
+                        + " characters, at most " + MAX_TEXT + " are allowed");
+            case String text -> text;
+            case Boolean truth -> truth;
+            case Number number -> {
+                requireFinite(item, symbol, number.doubleValue());
+                yield number.doubleValue();
+            }
+            default -> throw new IllegalArgumentException(at(item, symbol) + "is a "
+                    + value.getClass().getSimpleName() + ", expected text, truth or a number");
+        };
+    }
+
+    private static boolean fits(ScalarType type, double value) {
+        return switch (type) {
+            case F64 -> true;
+            case F32 -> Float.isFinite((float) value);
+            case I32 -> value == (int) value;
+            case U32 -> value == (long) value && value >= 0 && value <= 0xFFFF_FFFFL;
+            case REF -> false;
+        };
+    }
+
+    private static String at(String item, String property) {
+        return "item " + item + ": " + property + " ";
+    }
+
+    private static String text(double[] values) {
+        return values.length == 1 ? Double.toString(values[0]) : Arrays.toString(values);
+    }
+}

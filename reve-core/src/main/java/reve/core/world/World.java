@@ -1,0 +1,366 @@
+package reve.core.world;
+
+import java.lang.foreign.MemorySegment;
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
+
+/**
+ * The virtual world store: one {@link Table} of columns per kind for numbers, one immutable map for
+ * what is symbolic.
+ *
+ * <p>One thread owns a world: at first the one that made it, then the one that last called
+ * {@link #claim()}; {@code FrameLoop} claims for whoever runs it. No other thread may touch it or
+ * anything it hands out; they read a {@link WorldSnapshot}. With {@code -Dreve.check.thread=true}
+ * this is checked.
+ *
+ * <p>Items come and go only while the structure is unlocked: not in PHYSICS, DERIVE and PUBLISH.
+ */
+public final class World {
+
+    private static final boolean CHECK_THREAD = Boolean.getBoolean("reve.check.thread");
+
+    private final String name;
+    private final WorldPrototype prototype;
+    private final ColumnArena arena;
+    private final Map<String, Table> tables = new LinkedHashMap<>();
+    private final Map<ItemId, Item> items = new LinkedHashMap<>();
+    private final Map<String, Item> itemsByName = new HashMap<>();
+    private final List<MemorySegment> retired = new ArrayList<>();
+    private final List<WorldEvent> events = new ArrayList<>();
+    private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
+    private Thread owner = Thread.currentThread();
+    private @Nullable String lockedBy;
+    private long lastId;
+    private long layoutVersion;
+
+    /**
+     * An empty world but for the item {@code world}, whose physics aspect holds the world's constants.
+     *
+     * @param arena where column memory comes from; it must outlive the world, and the caller closes it
+     */
+    public World(String name, WorldPrototype prototype, ColumnArena arena) {
+        this.name = Names.require("world name", name);
+        this.prototype = prototype;
+        this.arena = arena;
+        for (String kind : prototype.kinds()) {
+            tables.put(kind, new Table(this, kind));
+        }
+        var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
+        insert(constants.build(), true);
+    }
+
+    public String name() {
+        return name;
+    }
+
+    public WorldPrototype prototype() {
+        return prototype;
+    }
+
+    // ---- items ----
+
+    /** Adds one item; see {@link #addAll}. */
+    public Item add(ItemDefinition definition) {
+        return addAll(List.of(definition)).getFirst();
+    }
+
+    /**
+     * Adds items, which may refer to each other in any order. All are added or, if any is refused,
+     * none.
+     *
+     * @throws IllegalArgumentException naming item, property and value if a name is taken, a kind or
+     *     property does not exist, a value does not fit, or a reference is missing or points at
+     *     nothing, at the wrong kind or at scenery
+     * @throws IllegalStateException naming the phase if the structure is locked
+     */
+    public List<Item> addAll(List<ItemDefinition> definitions) {
+        requireUnlocked("add items");
+        new DefinitionCheck(this, definitions).run();
+        var added = new ArrayList<Item>(definitions.size());
+        for (ItemDefinition definition : definitions) {
+            added.add(insert(definition, definition.hasPhysics()));
+        }
+        for (int i = 0; i < added.size(); i++) {
+            resolveReferences(added.get(i), definitions.get(i));
+        }
+        return List.copyOf(added);
+    }
+
+    /**
+     * Removes an item.
+     *
+     * @throws IllegalArgumentException naming who refers to it, or if it is the item {@code world}
+     * @throws IllegalStateException naming the phase if the structure is locked
+     */
+    public void remove(ItemId id) {
+        Item item = removable(id);
+        if (item.referrers > 0) {
+            Set<Item> referring = new LinkedHashSet<>();
+            addReferrers(Set.of(item), referring);
+            throw new IllegalArgumentException(item + " cannot be removed: "
+                    + String.join(", ", referring.stream().map(Item::toString).limit(5).toList())
+                    + (referring.size() > 5 ? ", ..." : "")
+                    + " refers to it; remove that first, or remove in cascade");
+        }
+        delete(item);
+    }
+
+    /** Removes an item and, first, all items that refer to it, directly or not; else as {@link #remove}. */
+    public void removeCascade(ItemId id) {
+        Set<Item> doomed = new LinkedHashSet<>();
+        doomed.add(removable(id));
+        int before;
+        do {
+            before = doomed.size();
+            addReferrers(Set.copyOf(doomed), doomed);
+        } while (doomed.size() > before);
+        new ArrayList<>(doomed).reversed().forEach(this::delete);
+    }
+
+    public Optional<Item> find(String itemName) {
+        checkOwner();
+        return Optional.ofNullable(itemsByName.get(itemName));
+    }
+
+    /** @throws IllegalArgumentException if there is no such item (any more) */
+    public Item item(ItemId id) {
+        checkOwner();
+        Item item = items.get(id);
+        if (item == null) {
+            throw new IllegalArgumentException("world " + name + " has no item " + id);
+        }
+        return item;
+    }
+
+    /** All items in the order of their ids, the item {@code world} first; a copy. */
+    public List<Item> items() {
+        checkOwner();
+        return List.copyOf(items.values());
+    }
+
+    // ---- columns ----
+
+    /** @throws IllegalArgumentException if the prototype has no such kind */
+    public Table table(String kind) {
+        Table table = tables.get(kind);
+        if (table == null) {
+            throw new IllegalArgumentException(
+                    "kind \"" + kind + "\" does not exist; kinds are " + prototype.kinds());
+        }
+        return table;
+    }
+
+    /** In the order of {@link WorldPrototype#kinds()}. */
+    public List<Table> tables() {
+        return List.copyOf(tables.values());
+    }
+
+    /**
+     * Raised whenever rows were added, removed or moved, or column memory was replaced. Replaced
+     * memory stays readable until the next frame has ended.
+     */
+    public long layoutVersion() {
+        return layoutVersion;
+    }
+
+    /** What is symbolic about all items, in the order of their ids: one immutable version. */
+    public PMap<ItemId, ItemSymbols> symbols() {
+        checkOwner();
+        return symbols;
+    }
+
+    // ---- events ----
+
+    /** Adds an event to the frame that is being made, or to the next one between frames. */
+    public void raise(WorldEvent event) {
+        checkOwner();
+        events.add(event);
+    }
+
+    /** Events since the last frame ended, in the order raised; a copy. */
+    public List<WorldEvent> events() {
+        checkOwner();
+        return events.isEmpty() ? List.of() : List.copyOf(events);
+    }
+
+    // ---- what a frame loop calls ----
+
+    /** Makes the calling thread the owner; the former owner must have stopped using the world. */
+    public void claim() {
+        owner = Thread.currentThread();
+    }
+
+    /** Refuses structural changes until {@link #unlockStructure()}; the phase appears in messages. */
+    public void lockStructure(String phase) {
+        checkOwner();
+        lockedBy = phase;
+    }
+
+    public void unlockStructure() {
+        checkOwner();
+        lockedBy = null;
+    }
+
+    /** Ends a frame: forgets its events and frees column memory that was replaced before it. */
+    public void endFrame() {
+        checkOwner();
+        events.clear();
+        retired.forEach(arena::release);
+        retired.clear();
+    }
+
+    // ---- for tables and aspects ----
+
+    void checkOwner() {
+        if (CHECK_THREAD && Thread.currentThread() != owner) {
+            throw new IllegalStateException("world " + name + " belongs to thread "
+                    + owner.getName() + ", but " + Thread.currentThread().getName()
+                    + " used it: read a snapshot, or claim() it when the owner has stopped");
+        }
+    }
+
+    @Nullable Item findItem(ItemId id) {
+        return items.get(id);
+    }
+
+    @Nullable Item findItem(String itemName) {
+        return itemsByName.get(itemName);
+    }
+
+    MemorySegment reserve(String columnName, long bytes) {
+        return arena.reserve(columnName, bytes);
+    }
+
+    void retire(MemorySegment memory) {
+        retired.add(memory);
+    }
+
+    void setSymbols(Item item, ItemSymbols changed) {
+        item.setSymbols(changed);
+        symbols = symbols.plus(item.id(), changed);
+    }
+
+    void giveFirstPhysics(Item item) {
+        requireUnlocked("give " + item + " its first physics property");
+        List<Column> references = item.table().references();
+        if (!references.isEmpty()) {
+            throw new IllegalArgumentException(item + " is scenery without "
+                    + references.getFirst().name() + ": add it with its references instead");
+        }
+        item.table().promote(item);
+        layoutVersion++;
+    }
+
+    void setReferences(Item item, Column column, List<ItemId> targets) {
+        requireUnlocked("change " + column.name() + " of " + item);
+        String where = item + ": " + column.name();
+        PropertyDescriptor property = column.descriptor();
+        if (column.type() != ScalarType.REF || targets.size() != column.components()) {
+            throw new IllegalArgumentException(where + " takes " + column.components() + " "
+                    + column.type() + ", found " + targets.size() + " references");
+        }
+        for (ItemId target : targets) {
+            Item other = item(target);
+            DefinitionCheck.requireTarget(where, property, other.name(), other.kind(),
+                    !other.physics().isEmpty());
+        }
+        for (int i = 0; i < targets.size(); i++) {
+            count(column.getReference(item.row, i), -1);
+            column.setReference(item.row, i, targets.get(i).value());
+            count(targets.get(i).value(), 1);
+        }
+    }
+
+    // ---- structure ----
+
+    private Item insert(ItemDefinition definition, boolean physics) {
+        Table table = table(definition.kind());
+        var itemSymbols = new ItemSymbols(new ItemId(++lastId), definition);
+        Item item = new Item(this, table, itemSymbols);
+        table.insert(item, physics);
+        items.put(item.id(), item);
+        itemsByName.put(item.name(), item);
+        setSymbols(item, itemSymbols);
+        if (!item.physical().isEmpty()) {
+            item.physical().place(definition);
+        }
+        for (String property : definition.physicsProperties()) {
+            item.physics().set(property, definition.physics(property).orElseThrow());
+        }
+        layoutVersion++;
+        return item;
+    }
+
+    private void resolveReferences(Item item, ItemDefinition definition) {
+        definition.references().forEach((property, targetNames) -> {
+            Column column = item.table().physicsColumn(property);
+            for (int i = 0; i < targetNames.size(); i++) {
+                Item target = itemsByName.get(targetNames.get(i));
+                column.setReference(item.row, i, target.id().value());
+                target.referrers++;
+            }
+        });
+    }
+
+    private Item removable(ItemId id) {
+        requireUnlocked("remove items");
+        Item item = item(id);
+        if (item.kind().equals(WorldPrototype.WORLD)) {
+            throw new IllegalArgumentException(item + " holds the world's constants; it stays");
+        }
+        return item;
+    }
+
+    private void delete(Item item) {
+        if (!item.physics().isEmpty()) {
+            for (Column column : item.table().references()) {
+                for (int i = 0; i < column.components(); i++) {
+                    count(column.getReference(item.row, i), -1);
+                }
+            }
+        }
+        item.table().remove(item);
+        items.remove(item.id());
+        itemsByName.remove(item.name());
+        symbols = symbols.minus(item.id());
+        layoutVersion++;
+    }
+
+    private void count(long target, int change) {
+        Item item = items.get(new ItemId(target));
+        if (item != null) {
+            item.referrers += change;
+        }
+    }
+
+    private void addReferrers(Set<Item> targets, Set<Item> into) {
+        for (Table table : tables.values()) {
+            for (Column column : table.references()) {
+                for (int row = 0; row < table.physicsRowCount(); row++) {
+                    for (int i = 0; i < column.components(); i++) {
+                        if (targets.contains(items.get(new ItemId(column.getReference(row, i))))) {
+                            into.add(table.itemAt(row));
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    private void requireUnlocked(String what) {
+        checkOwner();
+        if (lockedBy != null) {
+            throw new IllegalStateException("cannot " + what + " of world " + name + " in phase "
+                    + lockedBy + ": the structure changes in INTAKE, ACT or between frames only");
+        }
+    }
+}

@@ -1,0 +1,25 @@
+package reve.core.world;
+
+import java.util.Collections;
+import java.util.LinkedHashMap;
+import java.util.Map;
+
+/**
+ * Something that happened in a frame, for agents, operators and the journal.
+ *
+ * @param type joined, left, acted, law-loaded, law-unloaded, fault, or what an action raises
+ * @param fields String, Number or Boolean by name, in the order given
+ */
+public record WorldEvent(long frame, String type, Map<String, Object> fields) {
+
+    public WorldEvent {
+        Names.require("event type", type);
+        fields = Collections.unmodifiableMap(new LinkedHashMap<>(fields));
+        fields.forEach((name, value) -> {
+            if (!(value instanceof String || value instanceof Number || value instanceof Boolean)) {
+                throw new IllegalArgumentException("event field " + name + " is " + value
+                        + ", expected text, a number or truth");
+            }
+        });
+    }
+}

@@ -1,0 +1,5 @@
+/** The virtual world store: items, their aspects, and the columns their numbers live in. */
+@NullMarked
+package reve.core.world;
+
+import org.jspecify.annotations.NullMarked;
