@@ -12,8 +12,8 @@ import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
 /**
- * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes around
- * the item's own box, turned and placed. The only writer of these columns.
+ * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes
+ * around the item's own box, turned and placed. The only writer of these columns.
  */
 public final class BoundingBoxes {
 

@@ -49,7 +49,8 @@ public final class CommandQueue {
     }
 
     private void take(FrameEvent event) {
-        // What arrives while we take belongs to the next frame, else a fast sender could hold us here.
+        // What arrives while we take belongs to the next frame, else a fast sender could hold us
+        // here.
         for (int i = waiting.get(); i > 0; i--) {
             Command command = arrived.poll();
             if (command == null) {

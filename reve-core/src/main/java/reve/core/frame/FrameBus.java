@@ -1,8 +1,7 @@
 package reve.core.frame;
 
 import java.util.Arrays;
-import java.util.EnumMap;
-import java.util.Map;
+import java.util.concurrent.atomic.AtomicReferenceArray;
 
 /**
  * Tells listeners about the phases of each frame, in the order they subscribed. Subscribing and
@@ -12,12 +11,14 @@ public final class FrameBus {
 
     private static final Subscriber[] NONE = {};
 
-    private final Map<FramePhase, Subscriber[]> subscribers = new EnumMap<>(FramePhase.class);
+    /** By phase; an array is never changed, only replaced. */
+    private final AtomicReferenceArray<Subscriber[]> subscribers =
+            new AtomicReferenceArray<>(FramePhase.values().length);
     private final FaultLog faults = new FaultLog();
 
     public FrameBus() {
-        for (FramePhase phase : FramePhase.values()) {
-            subscribers.put(phase, NONE);
+        for (int i = 0; i < subscribers.length(); i++) {
+            subscribers.set(i, NONE);
         }
     }
 
@@ -29,7 +30,7 @@ public final class FrameBus {
      */
     public synchronized Subscription subscribe(FramePhase phase, String name,
             FrameListener listener) {
-        Subscriber[] old = subscribers.get(phase);
+        Subscriber[] old = subscribers.get(phase.ordinal());
         if (phase == FramePhase.PHYSICS && old.length > 0) {
             throw new IllegalStateException("PHYSICS takes one listener and has " + old[0].name
                     + "; close that before subscribing " + name);
@@ -37,7 +38,7 @@ public final class FrameBus {
         var subscriber = new Subscriber(name, listener);
         Subscriber[] grown = Arrays.copyOf(old, old.length + 1);
         grown[old.length] = subscriber;
-        subscribers.put(phase, grown);
+        subscribers.set(phase.ordinal(), grown);
         return () -> unsubscribe(phase, subscriber);
     }
 
@@ -46,7 +47,7 @@ public final class FrameBus {
      * called; it is reported as a "fault" event, once for each distinct message.
      */
     void dispatch(FrameEvent event) {
-        for (Subscriber subscriber : current(event.phase())) {
+        for (Subscriber subscriber : subscribers.get(event.phase().ordinal())) {
             try {
                 subscriber.listener.onFrame(event);
             } catch (Exception | LinkageError | StackOverflowError e) {
@@ -55,14 +56,10 @@ public final class FrameBus {
         }
     }
 
-    private synchronized Subscriber[] current(FramePhase phase) {
-        return subscribers.get(phase);
-    }
-
     private synchronized void unsubscribe(FramePhase phase, Subscriber subscriber) {
-        Subscriber[] remaining = Arrays.stream(subscribers.get(phase))
+        Subscriber[] remaining = Arrays.stream(subscribers.get(phase.ordinal()))
                 .filter(other -> other != subscriber).toArray(Subscriber[]::new);
-        subscribers.put(phase, remaining);
+        subscribers.set(phase.ordinal(), remaining);
     }
 
     private record Subscriber(String name, FrameListener listener) {}

@@ -17,7 +17,9 @@ import reve.core.world.World;
  */
 public final class FrameLoop {
 
-    /** Most frames that a late loop runs without a pause to catch up; older lateness is given up. */
+    /**
+     * Most frames that a late loop runs without a pause to catch up; older lateness is given up.
+     */
     public static final int MAX_CATCH_UP_FRAMES = 4;
 
     private static final FramePhase[] PHASES = FramePhase.values();
@@ -53,26 +55,34 @@ public final class FrameLoop {
         begin();
         long start = clock.nanoTime();
         long frame = frames.getPlain() + 1;
-        for (FramePhase phase : PHASES) {
-            dispatch(frame, phase);
-        }
+        dispatch(frame, FramePhase.INTAKE);
+        dispatch(frame, FramePhase.ACT);
+        dispatch(frame, FramePhase.PHYSICS);
+        world.releaseReplacedMemory();
+        dispatch(frame, FramePhase.DERIVE);
+        dispatch(frame, FramePhase.PUBLISH);
         world.endFrame();
         add(busyNanoseconds, clock.nanoTime() - start);
         frames.setRelease(frame);
     }
 
-    /** Makes that many paced frames, fewer if {@link #stop()} is called or the thread interrupted. */
+    /**
+     * Makes that many paced frames, fewer if {@link #stop()} is called or the thread interrupted.
+     */
     public void run(long count) {
         world.claim();
         begin();
         runner = Thread.currentThread();
-        pacer.start();
-        for (long i = 0; i < count && isWanted(); i++) {
-            step();
-            pacer.frameDone();
-            awaitNextFrame();
+        try {
+            pacer.start();
+            for (long i = 0; i < count && isWanted(); i++) {
+                step();
+                pacer.frameDone();
+                awaitNextFrame();
+            }
+        } finally {
+            runner = null;
         }
-        runner = null;
     }
 
     /** Makes paced frames until {@link #stop()} is called or the thread interrupted. */
@@ -106,7 +116,7 @@ public final class FrameLoop {
             begun = true;
             dispatch(0, FramePhase.DERIVE);
             dispatch(0, FramePhase.PUBLISH);
-            world.unlockStructure();
+            world.endFrame();
         }
     }
 

@@ -3,8 +3,8 @@ package reve.core.frame;
 import java.util.concurrent.atomic.AtomicLong;
 
 /**
- * Decides when the next frame is due. Deadlines are products on the monotonic clock, so waiting late
- * once does not make everything after it late.
+ * Decides when the next frame is due. Deadlines are products on the monotonic clock, so waiting
+ * late once does not make everything after it late.
  */
 final class Pacer {
 
@@ -40,7 +40,8 @@ final class Pacer {
         if (late > 0) {
             overruns.setRelease(overruns.getPlain() + 1);
         }
-        long framesLate = late * timing.framesPerSecond() / SECOND;
+        int perSecond = timing.framesPerSecond();
+        long framesLate = late / SECOND * perSecond + late % SECOND * perSecond / SECOND;
         long given = framesLate - FrameLoop.MAX_CATCH_UP_FRAMES;
         if (given > 0) {
             framesSinceOrigin += given;

@@ -54,8 +54,8 @@ public final class Column extends ColumnView {
     }
 
     /**
-     * Raised by every edit in place, so that whoever keeps something computed from the values knows when it is stale.
-     * What laws and DERIVE write does not raise it.
+     * Raised by every edit in place, so that whoever keeps something computed from the values knows
+     * when it is stale. What laws and DERIVE write does not raise it.
      */
     public long version() {
         return version;

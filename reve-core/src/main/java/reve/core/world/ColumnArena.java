@@ -3,13 +3,14 @@ package reve.core.world;
 import java.lang.foreign.MemorySegment;
 
 /**
- * Where a world's column memory comes from. The world reserves when it grows, never during a frame. The arena outlives
- * the world; both are used by the world's thread only.
+ * Where a world's column memory comes from. The world reserves when it grows, never during a frame.
+ * The arena outlives the world; both are used by the world's thread only.
  */
 public interface ColumnArena extends AutoCloseable {
 
     /**
-     * Reserves zeroed memory, aligned to at least 64 bytes, that stays where it is until it is released.
+     * Reserves zeroed memory, aligned to at least 64 bytes, that stays where it is until it is
+     * released.
      *
      * @param name what the memory is for, for example {@code body.mass}
      * @param bytes size, at least 1
@@ -17,8 +18,8 @@ public interface ColumnArena extends AutoCloseable {
     MemorySegment reserve(String name, long bytes);
 
     /**
-     * Takes back what {@link #reserve} gave. The world calls it at the end of the first frame after a column moved to
-     * larger memory, when every reader of {@link World#layoutVersion()} had its chance to let go.
+     * Takes back what {@link #reserve} gave. After a column moved to larger memory the world calls
+     * it when the next PHYSICS is over, so that whoever works on the columns could let go before.
      */
     void release(MemorySegment memory);
 

@@ -8,9 +8,9 @@ import java.util.Objects;
 import reve.core.unit.Unit;
 
 /**
- * One property of all items of a kind as a packed array of shape (rows x components), in native byte order: live
- * ({@link Column}) or as it was in a snapshot ({@link ColumnSnapshot}). Row and component are checked on every access;
- * loops over many rows use {@link #segment()}.
+ * One property of all items of a kind as a packed array of shape (rows x components), in native
+ * byte order: live ({@link Column}) or as it was in a snapshot ({@link ColumnSnapshot}). Row and
+ * component are checked on every access; loops over many rows use {@link #segment()}.
  */
 public abstract sealed class ColumnView permits Column, ColumnSnapshot {
 
@@ -94,12 +94,13 @@ public abstract sealed class ColumnView permits Column, ColumnSnapshot {
     }
 
     final IllegalStateException wrongType(String wanted) {
-        return new IllegalStateException("property " + name() + " holds " + type() + ", not " + wanted);
+        return new IllegalStateException(
+                "property " + name() + " holds " + type() + ", not " + wanted);
     }
 
     @Override
     public final String toString() {
-        return descriptor.kind() + "." + name() + " " + type() + "x" + components() + " [" + unit().symbol() + "], "
-                + rowCount() + " rows";
+        return descriptor.kind() + "." + name() + " " + type() + "x" + components() + " ["
+                + unit().symbol() + "], " + rowCount() + " rows";
     }
 }

@@ -6,7 +6,9 @@ import java.util.List;
 import java.util.Map;
 import java.util.Set;
 
-/** Checks definitions against a world before anything is added, so that a refusal changes nothing. */
+/**
+ * Checks definitions against a world before anything is added, so that a refusal changes nothing.
+ */
 final class DefinitionCheck {
 
     private final World world;
@@ -36,8 +38,8 @@ final class DefinitionCheck {
                     + ", expected kind " + expected);
         }
         if (!hasPhysics) {
-            throw new IllegalArgumentException(where + " refers to " + target + ", which is scenery: "
-                    + "give it a physics property (mass 0 makes it immovable)");
+            throw new IllegalArgumentException(where + " refers to " + target
+                    + ", which is scenery: give it a physics property (mass 0 makes it immovable)");
         }
     }
 

@@ -1,8 +1,8 @@
 package reve.core.world;
 
 /**
- * One thing in a world. It holds no numbers: its aspects are views of its row in the columns. World's
- * thread only; a removed item refuses every use.
+ * One thing in a world. It holds no numbers: its aspects are views of its row in the columns.
+ * World's thread only; a removed item refuses every use.
  */
 public final class Item {
 

@@ -1,6 +1,9 @@
 package reve.core.world;
 
-/** Identity of an item for as long as its world lives: positive, given out in rising order, never reused. */
+/**
+ * Identity of an item for as long as its world lives: positive, given out in rising order, never
+ * reused.
+ */
 public record ItemId(long value) implements Comparable<ItemId> {
 
     public ItemId {

@@ -41,9 +41,10 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     }
 
     /**
-     * All symbols: first the standard ones {@code name}, {@code class} (the kind unless the designer
-     * says otherwise) and, if the item has a shape, {@code dimensions} (a list of three extents [m]
-     * along its own axes), then the designer's in alphabetical order. A new map each time.
+     * All symbols: first the standard ones {@code name}, {@code class} (the kind unless the
+     * designer says otherwise) and, if the item has a shape, {@code dimensions} (a list of three
+     * extents [m] along its own axes), then the designer's in alphabetical order. A new map each
+     * time.
      */
     public Map<String, Object> symbols() {
         var all = new LinkedHashMap<String, Object>();

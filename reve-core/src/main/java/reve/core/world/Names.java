@@ -17,11 +17,13 @@ final class Names {
             throw new IllegalArgumentException(what + " is empty");
         }
         if (name.length() > MAX_LENGTH) {
-            throw new IllegalArgumentException(what + " \"" + name.substring(0, 32) + "...\" has " + name.length()
-                    + " characters, at most " + MAX_LENGTH + " are allowed");
+            throw new IllegalArgumentException(what + " \"" + name.substring(0, 32)
+                    + "...\" has " + name.length() + " characters, at most "
+                    + MAX_LENGTH + " are allowed");
         }
         if (name.chars().anyMatch(Character::isISOControl)) {
-            throw new IllegalArgumentException(what + " \"" + escaped(name) + "\" contains a control character");
+            throw new IllegalArgumentException(
+                    what + " \"" + escaped(name) + "\" contains a control character");
         }
         return name;
     }

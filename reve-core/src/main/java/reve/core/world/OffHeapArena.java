@@ -21,7 +21,8 @@ public final class OffHeapArena implements ColumnArena {
             return memory;
         } catch (IllegalArgumentException | OutOfMemoryError e) {
             arena.close();
-            throw new IllegalStateException("cannot reserve " + bytes + " bytes for column " + name, e);
+            throw new IllegalStateException(
+                    "cannot reserve " + bytes + " bytes for column " + name, e);
         }
     }
 
@@ -29,7 +30,8 @@ public final class OffHeapArena implements ColumnArena {
     public void release(MemorySegment memory) {
         Arena arena = arenaByAddress.remove(memory.address());
         if (arena == null) {
-            throw new IllegalArgumentException("memory at " + memory.address() + " was not reserved here");
+            throw new IllegalArgumentException(
+                    "memory at " + memory.address() + " was not reserved here");
         }
         arena.close();
     }

@@ -1,8 +1,8 @@
 package reve.core.world;
 
 /**
- * Where a body is and what it looks like: a view of its row. Only the kind {@code body} has one; for
- * other kinds it is empty and everything else here throws. World's thread only.
+ * Where a body is and what it looks like: a view of its row. Only the kind {@code body} has one;
+ * for other kinds it is empty and everything else here throws. World's thread only.
  */
 public final class PhysicalAspect {
 
@@ -106,7 +106,8 @@ public final class PhysicalAspect {
 
     private int requirePlace() {
         if (isEmpty()) {
-            throw new IllegalStateException(item + " has no place: only items of kind body have a physical aspect");
+            throw new IllegalStateException(
+                    item + " has no place: only items of kind body have a physical aspect");
         }
         return item.checkedRow();
     }

@@ -12,8 +12,8 @@ import reve.core.unit.Unit;
  * @param components numbers per item, 1 to 16
  * @param refersTo the kind that a {@link ScalarType#REF} property points at; empty for numbers
  */
-public record PropertyDescriptor(String name, String kind, ScalarType type, int components, Unit unit,
-        Optional<String> refersTo, String doc) {
+public record PropertyDescriptor(String name, String kind, ScalarType type, int components,
+        Unit unit, Optional<String> refersTo, String doc) {
 
     /** Most numbers one item may have in one property: a 4 by 4 matrix. */
     public static final int MAX_COMPONENTS = 16;
@@ -29,8 +29,9 @@ public record PropertyDescriptor(String name, String kind, ScalarType type, int 
                     + " components, expected 1 to " + MAX_COMPONENTS);
         }
         if (refersTo.isPresent() != (type == ScalarType.REF)) {
-            throw new IllegalArgumentException("property " + name + ": a reference names the kind it refers to, "
-                    + "and only a reference does; found type " + type + ", refers to " + refersTo.orElse("nothing"));
+            throw new IllegalArgumentException("property " + name
+                    + ": a reference names the kind it refers to, and only a reference does; "
+                    + "found type " + type + ", refers to " + refersTo.orElse("nothing"));
         }
     }
 

@@ -9,7 +9,9 @@ public sealed interface Shape permits Shape.None, Shape.Sphere, Shape.Box, Shape
     int PLANE = 3;
     int MESH = 4;
 
-    /** What the {@code shape} column holds for this form; the numbers never change their meaning. */
+    /**
+     * What the {@code shape} column holds for this form; the numbers never change their meaning.
+     */
     int code();
 
     /** Extent along an own axis (0, 1, 2) [m]. */

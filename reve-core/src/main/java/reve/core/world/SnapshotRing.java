@@ -1,28 +1,30 @@
 package reve.core.world;
 
-import java.util.ArrayDeque;
-import java.util.Deque;
+import java.util.ArrayList;
+import java.util.List;
 import java.util.Optional;
 import org.jspecify.annotations.Nullable;
 
 /**
  * A fixed number of slots that hold the last published frames of a world for any number of readers.
- * Neither side ever waits: a frame goes into the oldest slot that nobody reads, or, if all are being
- * read, into the oldest one, whose readers thereby lose it.
+ * Neither side ever waits: a frame goes into the oldest slot that nobody reads, or, if all are
+ * being read, into the oldest one, whose readers thereby lose it.
  */
 public final class SnapshotRing {
 
     private final World world;
     /** All slots but the latest, oldest first. */
-    private final Deque<SnapshotSlot> older = new ArrayDeque<>();
+    private final List<SnapshotSlot> older;
     private volatile @Nullable SnapshotSlot latest;
 
     /** @param slots at least 2: one to read, one to write */
     public SnapshotRing(World world, int slots) {
         if (slots < 2) {
-            throw new IllegalArgumentException("snapshot ring of " + slots + " slots, expected 2 or more");
+            throw new IllegalArgumentException(
+                    "snapshot ring of " + slots + " slots, expected 2 or more");
         }
         this.world = world;
+        this.older = new ArrayList<>(slots);
         for (int i = 0; i < slots; i++) {
             older.add(new SnapshotSlot(world));
         }
@@ -41,7 +43,7 @@ public final class SnapshotRing {
         SnapshotSlot previous = latest;
         latest = slot;
         if (previous != null) {
-            older.addLast(previous);
+            older.add(previous);
         }
     }
 
@@ -63,12 +65,13 @@ public final class SnapshotRing {
     }
 
     private SnapshotSlot takeSlot() {
-        for (SnapshotSlot slot : older) {
-            if (slot.isFree()) {
-                older.remove(slot);
-                return slot;
+        int chosen = 0;
+        for (int i = 0; i < older.size(); i++) {
+            if (older.get(i).isFree()) {
+                chosen = i;
+                break;
             }
         }
-        return older.removeFirst();
+        return older.remove(chosen);
     }
 }

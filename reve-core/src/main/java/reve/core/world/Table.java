@@ -72,7 +72,7 @@ public final class Table implements TableView {
 
     @Override
     public Column column(String name) {
-        return required(byName, name);
+        return required(byName, "property", name);
     }
 
     @Override
@@ -90,7 +90,7 @@ public final class Table implements TableView {
     }
 
     Column physicsColumn(String name) {
-        return required(physicsByName, name);
+        return required(physicsByName, "physics property", name);
     }
 
     /** Columns of references, in a fixed order. */
@@ -197,11 +197,11 @@ public final class Table implements TableView {
         }
     }
 
-    private Column required(Map<String, Column> among, String name) {
+    private Column required(Map<String, Column> among, String what, String name) {
         Column column = among.get(name);
         if (column == null) {
             throw new IllegalArgumentException(
-                    "kind " + kind + " has no property " + name + "; it has " + among.keySet());
+                    "kind " + kind + " has no " + what + " " + name + "; it has " + among.keySet());
         }
         return column;
     }

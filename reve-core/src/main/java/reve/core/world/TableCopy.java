@@ -34,7 +34,8 @@ final class TableCopy {
             Column source = sources.get(i);
             long bytes = (long) rowCount * source.descriptor().rowBytes();
             if (memories[i].byteSize() < bytes) {
-                // Collected with the last snapshot that reads it: a reader may still hold the old one.
+                // Collected with the last snapshot that reads it: a reader may still hold the old
+                // one.
                 memories[i] = Arena.ofAuto().allocate(source.memory().byteSize(), ALIGNMENT_BYTES);
             }
             MemorySegment.copy(source.memory(), 0, memories[i], 0, bytes);
@@ -42,8 +43,8 @@ final class TableCopy {
     }
 
     /**
-     * A view of the copy as it is now. If the copy is changing meanwhile the view is nonsense, though
-     * safe to make and to read; the slot's stamp tells.
+     * A view of the copy as it is now. If the copy is changing meanwhile the view is nonsense,
+     * though safe to make and to read; the slot's stamp tells.
      */
     TableSnapshot view() {
         int rows = rowCount;

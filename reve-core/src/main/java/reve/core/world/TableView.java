@@ -3,8 +3,9 @@ package reve.core.world;
 import java.util.List;
 
 /**
- * All items of one kind as columns over densely packed rows: live ({@link Table}) or as they were in a snapshot
- * ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items with a physics aspect, the rest is scenery.
+ * All items of one kind as columns over densely packed rows: live ({@link Table}) or as they were
+ * in a snapshot ({@link TableSnapshot}). Rows [0, physicsRowCount) are the items with a physics
+ * aspect, the rest is scenery.
  */
 public sealed interface TableView permits Table, TableSnapshot {
 

@@ -43,9 +43,11 @@ public final class World {
     private long layoutVersion;
 
     /**
-     * An empty world but for the item {@code world}, whose physics aspect holds the world's constants.
+     * An empty world but for the item {@code world}, whose physics aspect holds the world's
+     * constants.
      *
-     * @param arena where column memory comes from; it must outlive the world, and the caller closes it
+     * @param arena where column memory comes from; it must outlive the world, and the caller closes
+     *     it
      */
     public World(String name, WorldPrototype prototype, ColumnArena arena) {
         this.name = Names.require("world name", name);
@@ -66,8 +68,6 @@ public final class World {
         return prototype;
     }
 
-    // ---- items ----
-
     /** Adds one item; see {@link #addAll}. */
     public Item add(ItemDefinition definition) {
         return addAll(List.of(definition)).getFirst();
@@ -77,8 +77,8 @@ public final class World {
      * Adds items, which may refer to each other in any order. All are added or, if any is refused,
      * none.
      *
-     * @throws IllegalArgumentException naming item, property and value if a name is taken, a kind or
-     *     property does not exist, a value does not fit, or a reference is missing or points at
+     * @throws IllegalArgumentException naming item, property and value if a name is taken, a kind
+     *     or property does not exist, a value does not fit, or a reference is missing or points at
      *     nothing, at the wrong kind or at scenery
      * @throws IllegalStateException naming the phase if the structure is locked
      */
@@ -114,7 +114,10 @@ public final class World {
         delete(item);
     }
 
-    /** Removes an item and, first, all items that refer to it, directly or not; else as {@link #remove}. */
+    /**
+     * Removes an item and, first, all items that refer to it, directly or not; else as {@link
+     * #remove}.
+     */
     public void removeCascade(ItemId id) {
         Set<Item> doomed = new LinkedHashSet<>();
         doomed.add(removable(id));
@@ -147,8 +150,6 @@ public final class World {
         return List.copyOf(items.values());
     }
 
-    // ---- columns ----
-
     /** @throws IllegalArgumentException if the prototype has no such kind */
     public Table table(String kind) {
         Table table = tables.get(kind);
@@ -166,7 +167,7 @@ public final class World {
 
     /**
      * Raised whenever rows were added, removed or moved, or column memory was replaced. Replaced
-     * memory stays readable until the next frame has ended.
+     * memory stays readable until the next PHYSICS is over.
      */
     public long layoutVersion() {
         return layoutVersion;
@@ -177,8 +178,6 @@ public final class World {
         checkOwner();
         return symbols;
     }
-
-    // ---- events ----
 
     /** Adds an event to the frame that is being made, or to the next one between frames. */
     public void raise(WorldEvent event) {
@@ -192,14 +191,14 @@ public final class World {
         return events.isEmpty() ? List.of() : List.copyOf(events);
     }
 
-    // ---- what a frame loop calls ----
-
     /** Makes the calling thread the owner; the former owner must have stopped using the world. */
     public void claim() {
         owner = Thread.currentThread();
     }
 
-    /** Refuses structural changes until {@link #unlockStructure()}; the phase appears in messages. */
+    /**
+     * Refuses structural changes until {@link #unlockStructure()}; the phase appears in messages.
+     */
     public void lockStructure(String phase) {
         checkOwner();
         lockedBy = phase;
@@ -210,15 +209,24 @@ public final class World {
         lockedBy = null;
     }
 
-    /** Ends a frame: forgets its events and frees column memory that was replaced before it. */
-    public void endFrame() {
+    /**
+     * Frees column memory that was replaced; called when PHYSICS is over, as all have rebound by
+     * then.
+     */
+    public void releaseReplacedMemory() {
         checkOwner();
-        events.clear();
-        retired.forEach(arena::release);
+        for (int i = 0; i < retired.size(); i++) {
+            arena.release(retired.get(i));
+        }
         retired.clear();
     }
 
-    // ---- for tables and aspects ----
+    /** Ends a frame: forgets its events and unlocks the structure. */
+    public void endFrame() {
+        checkOwner();
+        events.clear();
+        lockedBy = null;
+    }
 
     void checkOwner() {
         if (CHECK_THREAD && Thread.currentThread() != owner) {
@@ -279,8 +287,6 @@ public final class World {
             count(targets.get(i).value(), 1);
         }
     }
-
-    // ---- structure ----
 
     private Item insert(ItemDefinition definition, boolean physics) {
         Table table = table(definition.kind());

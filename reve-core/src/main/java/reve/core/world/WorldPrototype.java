@@ -14,10 +14,11 @@ import java.util.Optional;
 import reve.core.unit.Unit;
 
 /**
- * Which properties the items of a world have: the contract between a world, its designers and the engine. Immutable.
+ * Which properties the items of a world have: the contract between a world, its designers and the
+ * engine. Immutable.
  *
- * <p>{@link #properties()} are the physics aspect's; {@link #physicalProperties()} are the physical aspect's (where a
- * body is and what it looks like), which every body has, scenery too.
+ * <p>{@link #properties()} are the physics aspect's; {@link #physicalProperties()} are the physical
+ * aspect's (where a body is and what it looks like), which every body has, scenery too.
  */
 public final class WorldPrototype {
 
@@ -64,9 +65,11 @@ public final class WorldPrototype {
     }
 
     /**
-     * This prototype with a designer's own physics properties added. A kind that did not exist begins to.
+     * This prototype with a designer's own physics properties added. A kind that did not exist
+     * begins to.
      *
-     * @throws IllegalArgumentException if a name is taken, or a reference points at a kind that does not exist
+     * @throws IllegalArgumentException if a name is taken, or a reference points at a kind that
+     *     does not exist
      */
     public WorldPrototype extendedBy(List<PropertyDescriptor> more) {
         var all = new ArrayList<>(properties);
@@ -74,8 +77,9 @@ public final class WorldPrototype {
         var extended = new WorldPrototype(name, realType, all);
         for (PropertyDescriptor property : more) {
             property.refersTo().filter(kind -> !extended.kinds.contains(kind)).ifPresent(kind -> {
-                throw new IllegalArgumentException("property " + property.name() + " refers to kind " + kind
-                        + ", which does not exist; kinds are " + extended.kinds);
+                throw new IllegalArgumentException("property " + property.name()
+                        + " refers to kind " + kind + ", which does not exist; kinds are "
+                        + extended.kinds);
             });
         }
         return extended;
@@ -85,7 +89,10 @@ public final class WorldPrototype {
         return name;
     }
 
-    /** The type of positions, velocities, forces, ...: {@link ScalarType#F64} or {@link ScalarType#F32}. */
+    /**
+     * The type of positions, velocities, forces, ...: {@link ScalarType#F64} or {@link
+     * ScalarType#F32}.
+     */
     public ScalarType realType() {
         return realType;
     }
@@ -100,7 +107,10 @@ public final class WorldPrototype {
         return physicalProperties;
     }
 
-    /** All kinds in the order of their first property: body, spring, surface, world, then designers' own. */
+    /**
+     * All kinds in the order of their first property: body, spring, surface, world, then designers'
+     * own.
+     */
     public List<String> kinds() {
         return kinds;
     }
@@ -108,14 +118,16 @@ public final class WorldPrototype {
     /** The physics property of that kind and name. */
     public Optional<PropertyDescriptor> find(String kind, String propertyName) {
         return Optional.ofNullable(byName.get(propertyName))
-                .filter(property -> property.kind().equals(kind) && !physicalProperties.contains(property));
+                .filter(property -> property.kind().equals(kind))
+                .filter(property -> !physicalProperties.contains(property));
     }
 
     private void addUnique(PropertyDescriptor property) {
         PropertyDescriptor other = byName.putIfAbsent(property.name(), property);
         if (other != null) {
-            throw new IllegalArgumentException("property " + property.name() + " of kind " + property.kind()
-                    + ": the name is already taken by a property of kind " + other.kind());
+            throw new IllegalArgumentException("property " + property.name()
+                    + " of kind " + property.kind() + ": the name is already taken by a property of kind "
+                    + other.kind());
         }
     }
 
@@ -126,43 +138,55 @@ public final class WorldPrototype {
                 number(BODY, "velocity", real, 3, "m/s", "Velocity of the centre."),
                 number(BODY, "acceleration", real, 3, "m/s^2", "Acceleration in the last step."),
                 number(BODY, "externalForce", real, 3, "N", "Sum of the forces that laws applied."),
-                number(BODY, "appliedForce", real, 3, "N", "Force given from outside, added to the laws' sum."),
+                number(BODY, "appliedForce", real, 3, "N",
+                        "Force given from outside, added to the laws' sum."),
                 number(BODY, "radius", real, 1, "m", "Radius that laws of contact use."),
-                number(BODY, "angularVelocity", real, 3, "rad/s", "Angular velocity in the world frame."),
+                number(BODY, "angularVelocity", real, 3, "rad/s",
+                        "Angular velocity in the world frame."),
                 number(BODY, "inertia", real, 3, "kg*m^2", "Principal moments of inertia."),
                 number(BODY, "torque", real, 3, "N*m", "Sum of the torques that laws applied."),
-                number(BODY, "dragCoefficient", real, 1, "kg/m", "Quadratic drag: force per squared speed."),
+                number(BODY, "dragCoefficient", real, 1, "kg/m",
+                        "Quadratic drag: force per squared speed."),
                 number(SPRING, "springConstant", real, 1, "N/m", "Hooke's constant."),
                 number(SPRING, "length", real, 1, "m", "Rest length."),
-                number(SPRING, "dampingConstant", real, 1, "N*s/m", "Viscous damping along the spring."),
+                number(SPRING, "dampingConstant", real, 1, "N*s/m",
+                        "Viscous damping along the spring."),
                 reference(SPRING, "end1", 1, "The body at one end."),
                 reference(SPRING, "end2", 1, "The body at the other end."),
                 reference(SURFACE, "vertices", 3, "The bodies at the corners."),
                 number(SURFACE, "hardness", real, 1, "N/m", "Stiffness against penetration."),
                 number(SURFACE, "surfaceDamping", real, 1, "N*s/m", "Damping against penetration."),
                 number(SURFACE, "frictionCoefficient", real, 1, "1", "Coulomb friction."),
-                number(WORLD, "gravitationalConstant", real, 1, "m^3/(kg*s^2)", "Newton's constant."),
+                number(WORLD, "gravitationalConstant", real, 1, "m^3/(kg*s^2)",
+                        "Newton's constant."),
                 number(WORLD, "gravity", real, 3, "m/s^2", "Uniform gravity."),
-                number(WORLD, "softening", real, 1, "m", "Length below which gravitation is softened."));
+                number(WORLD, "softening", real, 1, "m",
+                        "Length below which gravitation is softened."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {
         return List.of(
-                number(BODY, "position", real, 3, "m", "Place of the item's origin in the world frame."),
+                number(BODY, "position", real, 3, "m",
+                        "Place of the item's origin in the world frame."),
                 number(BODY, "orientation", real, 4, "1", "Rotation as a unit quaternion xyzw."),
                 number(BODY, "size", F64, 3, "m", "Extent of the shape along the item's own axes."),
                 number(BODY, "shape", I32, 1, "1", "Code of the shape, see Shape.code()."),
                 number(BODY, "colour", U32, 1, "1", "Colour, see Colour.rgba()."),
-                number(BODY, "boundsMin", F64, 3, "m", "Lower corner of the box around the item; derived."),
-                number(BODY, "boundsMax", F64, 3, "m", "Upper corner of the box around the item; derived."));
+                number(BODY, "boundsMin", F64, 3, "m",
+                        "Lower corner of the box around the item; derived."),
+                number(BODY, "boundsMax", F64, 3, "m",
+                        "Upper corner of the box around the item; derived."));
     }
 
-    private static PropertyDescriptor number(String kind, String name, ScalarType type, int components, String unit,
+    private static PropertyDescriptor number(String kind, String name, ScalarType type,
+            int components, String unit, String doc) {
+        return new PropertyDescriptor(name, kind, type, components, Unit.parse(unit),
+                Optional.empty(), doc);
+    }
+
+    private static PropertyDescriptor reference(String kind, String name, int components,
             String doc) {
-        return new PropertyDescriptor(name, kind, type, components, Unit.parse(unit), Optional.empty(), doc);
-    }
-
-    private static PropertyDescriptor reference(String kind, String name, int components, String doc) {
-        return new PropertyDescriptor(name, kind, REF, components, Unit.parse("1"), Optional.of(BODY), doc);
+        return new PropertyDescriptor(name, kind, REF, components, Unit.parse("1"),
+                Optional.of(BODY), doc);
     }
 }
