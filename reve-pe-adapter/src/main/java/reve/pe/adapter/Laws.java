@@ -1,0 +1,145 @@
+package reve.pe.adapter;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.stream.Collectors;
+import reve.core.world.Item;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
+
+/**
+ * The laws of a world: what is loaded, and what is quarantined. Each change is told as a
+ * {@code law-loaded}, {@code law-unloaded} or {@code fault} event. World's thread only.
+ */
+public final class Laws {
+    private final World world;
+    private final PhysicsEngine engine;
+    private final Map<Integer, Loaded> loaded = new LinkedHashMap<>();
+    private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
+    private long version;
+
+    private record Loaded(String library, String sha256) {
+    }
+
+    Laws(World world, PhysicsEngine engine) {
+        this.world = world;
+        this.engine = engine;
+    }
+
+    /**
+     * Activates a library outside PHYSICS; its laws act from the next step on.
+     *
+     * @param frame the frame that is being made, 0 before the first
+     * @param parameters by {@code parameter} or {@code law.parameter}
+     * @return id of the library, for {@link #unload}
+     * @throws PhysicsException if the engine refuses it, or these bytes are quarantined;
+     *     then nothing changed and the library is still the caller's
+     */
+    public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
+        String library = prepared.name();
+        String sha256 = prepared.sha256();
+        Quarantined reason = quarantined.get(sha256);
+        if (reason != null) {
+            throw new PhysicsException(reason.status(), "law library '" + library
+                + "' is in quarantine since frame " + reason.frame() + ": " + reason.message());
+        }
+        int id = engine.loadPhysicsLaw(prepared, parameters);
+        loaded.put(id, new Loaded(library, sha256));
+        version++;
+        Map<String, Object> fields = fields(library, sha256);
+        fields.put("laws", engine.laws().stream().filter(law -> law.libraryId() == id)
+            .map(PhysicsLaw::name).collect(Collectors.joining(", ")));
+        world.raise(new WorldEvent(frame, "law-loaded", fields));
+        return id;
+    }
+
+    /**
+     * Unloads a library outside PHYSICS.
+     *
+     * @throws IllegalArgumentException if it is not loaded
+     */
+    public void unload(long frame, int libraryId) {
+        Loaded library = loaded.get(libraryId);
+        if (library == null) {
+            throw new IllegalArgumentException("law library " + libraryId
+                + " is not loaded; loaded are " + loaded.keySet());
+        }
+        drop(libraryId);
+        world.raise(new WorldEvent(frame, "law-unloaded",
+            fields(library.library, library.sha256)));
+    }
+
+    /** False once the library was unloaded or quarantined. */
+    public boolean isLoaded(int libraryId) {
+        return loaded.containsKey(libraryId);
+    }
+
+    /** The loaded laws with what they cost so far, in the order of loading. */
+    public List<PhysicsLaw> loaded() {
+        return engine.laws();
+    }
+
+    /** What failed and stays out, in the order of failing. */
+    public List<Quarantined> quarantined() {
+        return List.copyOf(quarantined.values());
+    }
+
+    /** Lets a library's bytes be loaded again; false if they were not quarantined. */
+    public boolean release(String sha256) {
+        return quarantined.remove(sha256) != null;
+    }
+
+    /** Raised whenever a library was loaded or unloaded. */
+    long version() {
+        return version;
+    }
+
+    /**
+     * Unloads the library that a failed step blames, and keeps it out.
+     *
+     * @param item whose row failed, if one did
+     * @throws PhysicsException the failure itself, if no loaded library is to blame
+     */
+    void quarantine(long frame, PhysicsException failure, Optional<Item> item) {
+        Loaded library = loaded.get(failure.libraryId());
+        if (library == null) {
+            throw failure;
+        }
+        drop(failure.libraryId());
+        quarantined.put(library.sha256, new Quarantined(library.sha256, library.library, frame,
+            failure.status(), String.valueOf(failure.getMessage())));
+        Map<String, Object> fields = fields(library.library, library.sha256);
+        fields.put("law", failure.law());
+        fields.put("property", failure.property());
+        failure.row().ifPresent(row -> fields.put("row", row));
+        item.ifPresent(i -> fields.put("item", i.name()));
+        reportFault(frame, fields, failure);
+    }
+
+    /** Tells that the engine refused something or a law failed. */
+    void reportFault(long frame, Map<String, Object> fields, PhysicsException failure) {
+        fields.put("status", failure.status().name());
+        fields.put("message", String.valueOf(failure.getMessage()));
+        world.raise(new WorldEvent(frame, "fault", fields));
+    }
+
+    private void drop(int libraryId) {
+        engine.unloadPhysicsLaw(libraryId);
+        loaded.remove(libraryId);
+        version++;
+    }
+
+    private static Map<String, Object> fields(String library, String sha256) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("source", "physics");
+        fields.put("library", library);
+        fields.put("sha256", sha256);
+        return fields;
+    }
+}

@@ -1,0 +1,36 @@
+package reve.pe.adapter;
+
+import java.lang.foreign.MemorySegment;
+import reve.core.world.Column;
+import reve.core.world.Table;
+
+/** A column that the engine works on in place. */
+final class LentColumn extends LentProperty {
+    private final Column column;
+    private long seen;
+
+    LentColumn(String name, Table table, Column column) {
+        super(name, table);
+        this.column = column;
+    }
+
+    @Override
+    MemorySegment memory() {
+        return column.segment();
+    }
+
+    /** Bytes of the rows that the engine sees. */
+    long bytes() {
+        return (long) table().physicsRowCount() * column.descriptor().rowBytes();
+    }
+
+    @Override
+    boolean isEdited() {
+        return column.version() != seen;
+    }
+
+    @Override
+    void markSeen() {
+        seen = column.version();
+    }
+}

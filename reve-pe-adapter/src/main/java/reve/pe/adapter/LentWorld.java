@@ -1,0 +1,77 @@
+package reve.pe.adapter;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+import reve.core.world.Column;
+import reve.core.world.ColumnArena;
+import reve.core.world.Item;
+import reve.core.world.Table;
+import reve.core.world.World;
+import reve.pe.PhysicalPropertyProvider;
+import reve.pe.PhysicsEngine;
+import reve.pe.PropertyDescriptor;
+
+/** A world's columns in the hands of an engine. World's thread only. */
+final class LentWorld {
+    private final World world;
+    private final PhysicalPropertyProvider provider;
+    /** Columns first: they need no other to be right, and the engine must let go of old memory. */
+    private final List<LentProperty> properties = new ArrayList<>();
+    private long lentLayout = -1;
+
+    LentWorld(World world, PhysicsEngine engine, ColumnArena arena) {
+        this.world = world;
+        this.provider = engine.propertyProvider();
+        List<LentProperty> references = new ArrayList<>();
+        for (PropertyDescriptor property : engine.prototype().properties()) {
+            Table table = world.table(property.kind());
+            List<Column> columns = PropertyNames.columns(property.kind(), property.name())
+                .stream().map(table::column).toList();
+            if (property.refersTo() == null) {
+                properties.add(new LentColumn(property.name(), table, columns.getFirst()));
+            } else {
+                references.add(new LentReferences(property.name(), world, table,
+                    world.table(property.refersTo()), columns, arena));
+            }
+        }
+        properties.addAll(references);
+    }
+
+    /**
+     * Brings the engine up to date with the world; nearly free if nothing changed.
+     *
+     * @throws IllegalStateException naming item and property if a reference leads nowhere
+     */
+    void update() {
+        if (world.layoutVersion() != lentLayout) {
+            for (LentProperty property : properties) {
+                property.lend(provider);
+            }
+            lentLayout = world.layoutVersion();
+        } else {
+            for (LentProperty property : properties) {
+                property.touchIfEdited(provider);
+            }
+        }
+    }
+
+    /** The world's layout that the engine was told last; -1 before the first update. */
+    long lentLayout() {
+        return lentLayout;
+    }
+
+    /** The in-place columns of these properties, in a fixed order. */
+    List<LentColumn> columns(Set<String> names) {
+        return properties.stream().filter(property -> names.contains(property.name()))
+            .filter(LentColumn.class::isInstance).map(LentColumn.class::cast).toList();
+    }
+
+    /** The item in a row of a property. */
+    Optional<Item> item(String property, long row) {
+        return properties.stream().filter(p -> p.name().equals(property)).findFirst()
+            .filter(p -> row < p.table().physicsRowCount())
+            .map(p -> world.item(p.table().idAt((int) row)));
+    }
+}

@@ -1,0 +1,141 @@
+package reve.pe.adapter;
+
+import java.util.HashSet;
+import java.util.Optional;
+import java.util.Set;
+import reve.core.frame.FrameEvent;
+import reve.core.frame.FrameListener;
+import reve.core.world.ColumnArena;
+import reve.core.world.Item;
+import reve.core.world.World;
+import reve.pe.Access;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+import reve.pe.PropertyDescriptor;
+import reve.pe.PropertyUse;
+
+/**
+ * Moves a world by the laws of a physics engine: the listener of phase PHYSICS. The engine works in
+ * place on the world's columns, and a frame is one native call.
+ *
+ * <p>A law that fails costs one redone frame: the columns are put back, the law's library is
+ * quarantined and told as a "fault" event, and the frame is done over without it. From that frame
+ * on the world is, to the bit, one that runs without that law. A failure that no loaded law is to
+ * blame for is thrown after the columns were put back: that frame has no physics.
+ *
+ * <p>World's thread only. The engine and the arena belong to the caller, outlive the adapter, and
+ * the engine is used for nothing else meanwhile.
+ */
+public final class PhysicsAdapter implements FrameListener, AutoCloseable {
+    private final PhysicsEngine engine;
+    private final LentWorld lent;
+    private final Laws laws;
+    private final RollbackCopy rollback = new RollbackCopy();
+    private final Set<String> accumulators = new HashSet<>();
+    private long keptLayout = -1;
+    private long keptLaws = -1;
+    private long frames;
+    private long redoneFrames;
+    private long bindNanoseconds;
+    private long copyNanoseconds;
+    private long advanceNanoseconds;
+
+    /**
+     * Lends the world's columns to the engine.
+     *
+     * @param engine made for {@link PropertyNames#prototype} of the world's prototype
+     * @param arena gives the memory of the index columns
+     * @throws IllegalStateException naming item and property if a reference leads nowhere
+     * @throws PhysicsException if the engine refuses a column
+     */
+    public PhysicsAdapter(World world, PhysicsEngine engine, ColumnArena arena) {
+        this.engine = engine;
+        this.lent = new LentWorld(world, engine, arena);
+        this.laws = new Laws(world, engine);
+        for (PropertyDescriptor property : engine.prototype().properties()) {
+            if (property.lawAccess().contains(Access.ACCUMULATE)) {
+                accumulators.add(property.name());
+            }
+        }
+        lent.update();
+    }
+
+    /** The laws of this world. */
+    public Laws laws() {
+        return laws;
+    }
+
+    @Override
+    public void onFrame(FrameEvent frame) {
+        long start = System.nanoTime();
+        lent.update();
+        keepWhatLawsMayWrite();
+        long bound = System.nanoTime();
+        rollback.save();
+        long copied = System.nanoTime();
+        bindNanoseconds += bound - start;
+        copyNanoseconds += copied - bound;
+        while (!advanced(frame)) {
+            redoneFrames++;
+        }
+        advanceNanoseconds += System.nanoTime() - copied;
+        frames++;
+    }
+
+    /** Hash of the engine's step count and of all columns lent to it. Between frames. */
+    public long stateHash() {
+        lent.update();
+        return engine.stateHash();
+    }
+
+    /** Where the time went. */
+    public AdapterProfile profile() {
+        return new AdapterProfile(frames, redoneFrames, bindNanoseconds, copyNanoseconds,
+            advanceNanoseconds);
+    }
+
+    /** Frees the rollback copy; the engine still borrows the columns until it is closed. */
+    @Override
+    public void close() {
+        rollback.close();
+    }
+
+    private boolean advanced(FrameEvent frame) {
+        try {
+            engine.advance(frame.dtSeconds(), frame.steps());
+            return true;
+        } catch (PhysicsException failure) {
+            rollback.restore();
+            engine.clearFault();
+            laws.quarantine(frame.frame(), failure, itemOf(failure));
+            return false;
+        }
+    }
+
+    private Optional<Item> itemOf(PhysicsException failure) {
+        return failure.row().isEmpty() ? Optional.empty()
+            : lent.item(failure.property(), failure.row().getAsLong());
+    }
+
+    private void keepWhatLawsMayWrite() {
+        if (keptLayout != lent.lentLayout() || keptLaws != laws.version()) {
+            rollback.keep(lent.columns(writtenProperties()));
+            keptLayout = lent.lentLayout();
+            keptLaws = laws.version();
+        }
+    }
+
+    /** What laws write, and the accumulators they touch: these the engine itself sets. */
+    private Set<String> writtenProperties() {
+        Set<String> written = new HashSet<>();
+        for (PhysicsLaw law : laws.loaded()) {
+            for (PropertyUse use : law.uses()) {
+                if (use.access().contains(Access.WRITE) || accumulators.contains(use.name())) {
+                    written.add(use.name());
+                }
+            }
+        }
+        return written;
+    }
+}

@@ -1,0 +1,110 @@
+package reve.pe.adapter;
+
+import java.util.ArrayList;
+import java.util.EnumSet;
+import java.util.HashSet;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+import java.util.stream.Stream;
+import org.jspecify.annotations.Nullable;
+import reve.core.unit.Unit;
+import reve.core.world.WorldPrototype;
+import reve.pe.Access;
+import reve.pe.PropertyDescriptor;
+import reve.pe.Prototype;
+import reve.pe.ScalarType;
+import reve.pe.SiUnit;
+
+/** What REVE's properties are called in an engine: the same, but for the rows of one table. */
+public final class PropertyNames {
+    private static final List<Translation> TABLE = List.of(
+        new Translation("spring", "hookeConstant", List.of("springConstant")),
+        new Translation("spring", "endpoints", List.of("end1", "end2")));
+
+    /** @param columns REVE's columns, side by side in the engine's property */
+    private record Translation(String kind, String engineName, List<String> columns) {
+    }
+
+    private PropertyNames() {
+    }
+
+    /**
+     * The prototype for an engine: what the world's items have, in REVE's types and units.
+     *
+     * @param standard what the engine calls standard; says how far laws may go with a standard
+     *     property. Laws may read and write what designers add, and only read references
+     */
+    public static Prototype prototype(WorldPrototype world, Prototype standard) {
+        List<PropertyDescriptor> properties = new ArrayList<>();
+        Set<String> standardColumns = new HashSet<>();
+        for (PropertyDescriptor property : standard.properties()) {
+            List<reve.core.world.PropertyDescriptor> found =
+                find(world, property.kind(), columns(property.kind(), property.name()));
+            if (!found.isEmpty()) {
+                properties.add(translated(property.name(), found, property.lawAccess(),
+                    property.initialFrom()));
+                found.forEach(column -> standardColumns.add(column.name()));
+            }
+        }
+        for (reve.core.world.PropertyDescriptor own : world.properties()) {
+            if (!standardColumns.contains(own.name())) {
+                properties.add(translated(own.name(), List.of(own), designersAccess(own), null));
+            }
+        }
+        return new Prototype(standard.name(), scalarType(world.realType()), standard.timeUnit(),
+            properties);
+    }
+
+    /** REVE's columns behind an engine's property, side by side. */
+    static List<String> columns(String kind, String engineName) {
+        return TABLE.stream()
+            .filter(row -> row.kind.equals(kind) && row.engineName.equals(engineName))
+            .findFirst().map(Translation::columns).orElse(List.of(engineName));
+    }
+
+    /** All the columns, or none if the world lacks one. */
+    private static List<reve.core.world.PropertyDescriptor> find(WorldPrototype world,
+                                                                 String kind,
+                                                                 List<String> columns) {
+        List<reve.core.world.PropertyDescriptor> found = columns.stream()
+            .map(column -> find(world, kind, column)).flatMap(Optional::stream).toList();
+        return found.size() == columns.size() ? found : List.of();
+    }
+
+    private static Optional<reve.core.world.PropertyDescriptor> find(WorldPrototype world,
+                                                                     String kind,
+                                                                     String column) {
+        return Stream.concat(world.physicalProperties().stream(), world.properties().stream())
+            .filter(property -> property.kind().equals(kind) && property.name().equals(column))
+            .findFirst();
+    }
+
+    private static PropertyDescriptor translated(
+            String name, List<reve.core.world.PropertyDescriptor> columns, Set<Access> access,
+            @Nullable String initialFrom) {
+        reve.core.world.PropertyDescriptor first = columns.getFirst();
+        int components =
+            columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
+        return new PropertyDescriptor(name, first.kind(), scalarType(first.type()), components,
+            access, unit(first.unit()), first.refersTo().orElse(null), initialFrom, first.doc());
+    }
+
+    private static Set<Access> designersAccess(reve.core.world.PropertyDescriptor property) {
+        return property.refersTo().isPresent() ? EnumSet.of(Access.READ)
+            : EnumSet.of(Access.READ, Access.WRITE);
+    }
+
+    private static ScalarType scalarType(reve.core.world.ScalarType type) {
+        return switch (type) {
+            case F32 -> ScalarType.F32;
+            case F64 -> ScalarType.F64;
+            case I32 -> ScalarType.I32;
+            case U32, REF -> ScalarType.U32; // a reference reaches laws as a row
+        };
+    }
+
+    private static SiUnit unit(Unit unit) {
+        return SiUnit.of(unit.exponents(), unit.scale(), unit.symbol());
+    }
+}

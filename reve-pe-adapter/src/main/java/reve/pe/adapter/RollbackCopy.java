@@ -1,0 +1,57 @@
+package reve.pe.adapter;
+
+import java.lang.foreign.Arena;
+import java.lang.foreign.MemorySegment;
+import java.util.List;
+
+/** Columns as they were at the beginning of a frame. World's thread only. */
+final class RollbackCopy implements AutoCloseable {
+    private static final long ALIGNMENT_BYTES = 64;
+
+    private Arena arena = Arena.ofShared();
+    private MemorySegment copy = MemorySegment.NULL;
+    private LentColumn[] columns = {};
+
+    /** Says which columns to keep; reserves memory only if there is more to keep than ever. */
+    void keep(List<LentColumn> wanted) {
+        columns = wanted.toArray(LentColumn[]::new);
+        long bytes = 0;
+        for (LentColumn column : columns) {
+            bytes += aligned(column.bytes());
+        }
+        if (bytes > copy.byteSize()) {
+            arena.close();
+            arena = Arena.ofShared();
+            copy = arena.allocate(Math.max(bytes, 2 * copy.byteSize()), ALIGNMENT_BYTES);
+        }
+    }
+
+    void save() {
+        long at = 0;
+        for (LentColumn column : columns) {
+            MemorySegment.copy(column.memory(), 0, copy, at, column.bytes());
+            at += aligned(column.bytes());
+        }
+    }
+
+    void restore() {
+        long at = 0;
+        for (LentColumn column : columns) {
+            MemorySegment.copy(copy, at, column.memory(), 0, column.bytes());
+            at += aligned(column.bytes());
+        }
+    }
+
+    @Override
+    public void close() {
+        columns = new LentColumn[0];
+        copy = MemorySegment.NULL;
+        if (arena.scope().isAlive()) {
+            arena.close();
+        }
+    }
+
+    private static long aligned(long bytes) {
+        return (bytes + ALIGNMENT_BYTES - 1) / ALIGNMENT_BYTES * ALIGNMENT_BYTES;
+    }
+}

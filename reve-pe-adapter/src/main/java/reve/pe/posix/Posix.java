@@ -1,0 +1,107 @@
+package reve.pe.posix;
+
+import static java.lang.foreign.ValueLayout.ADDRESS;
+import static java.lang.foreign.ValueLayout.JAVA_INT;
+import static java.lang.foreign.ValueLayout.JAVA_LONG;
+
+import java.lang.foreign.Arena;
+import java.lang.foreign.FunctionDescriptor;
+import java.lang.foreign.Linker;
+import java.lang.foreign.MemoryLayout;
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.StructLayout;
+import java.lang.invoke.MethodHandle;
+
+/** One static method per C function; a failure comes back as -errno. Any thread. */
+@SuppressWarnings("restricted") // the one place where C library functions are looked up
+final class Posix {
+    private static final Linker LINKER = Linker.nativeLinker();
+    private static final StructLayout CALL_STATE = Linker.Option.captureStateLayout();
+    private static final long ERRNO =
+        CALL_STATE.byteOffset(MemoryLayout.PathElement.groupElement("errno"));
+
+    private static final MethodHandle MEMFD_CREATE = function("memfd_create", JAVA_INT,
+        ADDRESS, JAVA_INT);
+    private static final MethodHandle FTRUNCATE = function("ftruncate", JAVA_INT,
+        JAVA_INT, JAVA_LONG);
+    private static final MethodHandle MMAP = function("mmap", JAVA_LONG,
+        ADDRESS, JAVA_LONG, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_LONG);
+    private static final MethodHandle MUNMAP = function("munmap", JAVA_INT, ADDRESS, JAVA_LONG);
+    private static final MethodHandle CLOSE = function("close", JAVA_INT, JAVA_INT);
+
+    private Posix() {
+    }
+
+    /** A new descriptor. */
+    static int memfdCreate(String name, int flags) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) MEMFD_CREATE.invokeExact(state, call.allocateFrom(name), flags),
+                state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** 0. */
+    static int ftruncate(int descriptor, long bytes) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) FTRUNCATE.invokeExact(state, descriptor, bytes), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** An address; the kernel chooses it. */
+    static long mmap(long bytes, int protection, int flags, int descriptor, long offset) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            long address = (long) MMAP.invokeExact(state, MemorySegment.NULL, bytes, protection,
+                flags, descriptor, offset);
+            return address == -1 ? -state.get(JAVA_INT, ERRNO) : address;
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** 0. */
+    static int munmap(MemorySegment mapping) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) MUNMAP.invokeExact(state, mapping, mapping.byteSize()), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** 0. */
+    static int close(int descriptor) {
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment state = call.allocate(CALL_STATE);
+            return orErrno((int) CLOSE.invokeExact(state, descriptor), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    private static int orErrno(int result, MemorySegment state) {
+        return result == -1 ? -state.get(JAVA_INT, ERRNO) : result;
+    }
+
+    private static MethodHandle function(String name, MemoryLayout result,
+                                         MemoryLayout... arguments) {
+        return LINKER.downcallHandle(LINKER.defaultLookup().findOrThrow(name),
+            FunctionDescriptor.of(result, arguments), Linker.Option.captureCallState("errno"));
+    }
+
+    private static RuntimeException unexpected(Throwable t) {
+        if (t instanceof RuntimeException exception) {
+            return exception;
+        }
+        if (t instanceof Error error) {
+            throw error;
+        }
+        throw new AssertionError("a downcall threw a checked exception", t);
+    }
+}

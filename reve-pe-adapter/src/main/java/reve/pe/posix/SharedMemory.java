@@ -1,0 +1,79 @@
+package reve.pe.posix;
+
+import java.lang.foreign.Arena;
+import java.lang.foreign.MemorySegment;
+
+/**
+ * Zeroed memory behind a descriptor, so that another process can map the same bytes: through
+ * {@code /proc/PID/fd/DESCRIPTOR}, or by inheriting the descriptor. Its size never changes. Linux.
+ */
+public final class SharedMemory implements AutoCloseable {
+    private static final int MFD_CLOEXEC = 1;
+    private static final int PROT_READ_WRITE = 1 | 2;
+    private static final int MAP_SHARED = 1;
+
+    private final Arena arena = Arena.ofShared();
+    private final int descriptor;
+    private final MemorySegment segment;
+    private boolean closed;
+
+    /**
+     * Reserves memory; pages cost nothing until they are written.
+     *
+     * @param name shows in /proc, at most 249 bytes
+     * @throws IllegalStateException if the system refuses
+     */
+    public SharedMemory(String name, long bytes) {
+        if (bytes <= 0) {
+            throw new IllegalArgumentException("shared memory '" + name + "': " + bytes
+                + " bytes, expected at least 1");
+        }
+        descriptor = check(name, "memfd_create", Posix.memfdCreate(name, MFD_CLOEXEC));
+        try {
+            check(name, "ftruncate to " + bytes, Posix.ftruncate(descriptor, bytes));
+            segment = map(name, bytes);
+        } catch (RuntimeException e) {
+            Posix.close(descriptor);
+            throw e;
+        }
+    }
+
+    /** The memory, page-aligned; valid until close. */
+    public MemorySegment segment() {
+        return segment;
+    }
+
+    /** The descriptor in this process. */
+    public int descriptor() {
+        return descriptor;
+    }
+
+    /** Unmaps the memory here; another process keeps what it mapped. May be called twice. */
+    @Override
+    public void close() {
+        if (!closed) {
+            closed = true;
+            arena.close();
+            Posix.close(descriptor);
+        }
+    }
+
+    @SuppressWarnings("restricted") // the kernel just mapped so many bytes at that address
+    private MemorySegment map(String name, long bytes) {
+        long address = Posix.mmap(bytes, PROT_READ_WRITE, MAP_SHARED, descriptor, 0);
+        check(name, "mmap of " + bytes + " bytes", address);
+        return MemorySegment.ofAddress(address).reinterpret(bytes, arena, Posix::munmap);
+    }
+
+    private static int check(String name, String what, int result) {
+        check(name, what, (long) result);
+        return result;
+    }
+
+    private static void check(String name, String what, long result) {
+        if (result < 0) {
+            throw new IllegalStateException("shared memory '" + name + "': " + what
+                + " failed with errno " + -result);
+        }
+    }
+}
