@@ -10,10 +10,10 @@ import java.util.regex.Pattern;
  */
 public record Colour(int rgba) {
 
+    private static final Pattern TEXT = Pattern.compile("#[0-9a-fA-F]{6}([0-9a-fA-F]{2})?");
+
     /** What an item has that names no colour: light grey. */
     public static final Colour DEFAULT = parse("#cccccc");
-
-    private static final Pattern TEXT = Pattern.compile("#[0-9a-fA-F]{6}([0-9a-fA-F]{2})?");
 
     /**
      * Reads {@code #rrggbb} or {@code #rrggbbaa}.

@@ -125,8 +125,8 @@ public final class WorldPrototype {
     private void addUnique(PropertyDescriptor property) {
         PropertyDescriptor other = byName.putIfAbsent(property.name(), property);
         if (other != null) {
-            throw new IllegalArgumentException("property " + property.name()
-                    + " of kind " + property.kind() + ": the name is already taken by a property of kind "
+            throw new IllegalArgumentException("property " + property.name() + " of kind "
+                    + property.kind() + ": the name is already taken by a property of kind "
                     + other.kind());
         }
     }
@@ -142,7 +142,7 @@ public final class WorldPrototype {
                         "Force given from outside, added to the laws' sum."),
                 number(BODY, "radius", real, 1, "m", "Radius that laws of contact use."),
                 number(BODY, "angularVelocity", real, 3, "rad/s",
-                        "Angular velocity in the world frame."),
+                        "Angular velocity."),
                 number(BODY, "inertia", real, 3, "kg*m^2", "Principal moments of inertia."),
                 number(BODY, "torque", real, 3, "N*m", "Sum of the torques that laws applied."),
                 number(BODY, "dragCoefficient", real, 1, "kg/m",
