@@ -1,0 +1,16 @@
+package reve.core.access;
+
+import java.util.Optional;
+import reve.core.world.Item;
+import reve.core.world.World;
+
+/**
+ * One use of an action. Valid during {@link Action#perform}, on the world's thread.
+ *
+ * @param frame the frame in which it happens
+ * @param target the item whose action it is
+ * @param actor the body that acts; empty if nobody in the world does
+ * @param arguments checked against the action's parameters
+ */
+public record ActionCall(World world, long frame, Item target, Optional<Item> actor,
+        Arguments arguments) {}

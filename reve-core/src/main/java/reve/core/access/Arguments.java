@@ -1,0 +1,145 @@
+package reve.core.access;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.stream.Collectors;
+
+/**
+ * The arguments of one call, checked against the action's parameters: none is missing, unknown,
+ * of the wrong type or length, or not finite. Immutable, any thread.
+ */
+public final class Arguments {
+    /** Longest text an argument may be [characters]. */
+    public static final int MAX_TEXT_LENGTH = 1024;
+
+    private final Map<String, Object> values;
+
+    private Arguments(Map<String, Object> values) {
+        this.values = values;
+    }
+
+    /**
+     * Checks what a caller gave: per parameter a {@link Number}, a {@link List} of numbers, a
+     * {@link String} or a {@link Boolean}.
+     *
+     * @throws ActionRefused with code {@code missing-argument}, {@code unknown-argument},
+     *     {@code wrong-type}, {@code wrong-components} or {@code not-finite}; the message names
+     *     action and parameter and what it takes
+     */
+    public static Arguments check(Action action, Map<String, ?> given) throws ActionRefused {
+        var values = new LinkedHashMap<String, Object>();
+        for (Parameter parameter : action.parameters()) {
+            Object argument = given.get(parameter.name());
+            if (argument == null) {
+                throw new ActionRefused("missing-argument", "action " + action.name() + " needs `"
+                        + parameter.name() + "`, " + parameter.expectation());
+            }
+            values.put(parameter.name(), checked(action, parameter, argument));
+        }
+        for (String name : given.keySet()) {
+            if (!values.containsKey(name)) {
+                throw new ActionRefused("unknown-argument", "action " + action.name() + " has no `"
+                        + name + "`; it takes " + parameterNames(action));
+            }
+        }
+        return new Arguments(values);
+    }
+
+    /** The one number of a number parameter, in the parameter's unit. */
+    public double number(String name) {
+        return vector(name)[0];
+    }
+
+    /** A fresh array of the numbers of a number parameter, in the parameter's unit. */
+    public double[] vector(String name) {
+        return get(name, double[].class).clone();
+    }
+
+    public String text(String name) {
+        return get(name, String.class);
+    }
+
+    public boolean truth(String name) {
+        return get(name, Boolean.class);
+    }
+
+    private <T> T get(String name, Class<T> type) {
+        Object value = values.get(name);
+        if (!type.isInstance(value)) {
+            throw new IllegalArgumentException("argument `" + name + "` is "
+                    + (value == null ? "no parameter of this action"
+                            : "a " + value.getClass().getSimpleName()));
+        }
+        return type.cast(value);
+    }
+
+    private static Object checked(Action action, Parameter parameter, Object argument)
+            throws ActionRefused {
+        return switch (parameter.type()) {
+            case NUMBER -> numbers(action, parameter, argument);
+            case TEXT -> {
+                if (!(argument instanceof String text)) {
+                    throw wrongType(action, parameter, argument);
+                }
+                if (text.length() > MAX_TEXT_LENGTH) {
+                    throw new ActionRefused("wrong-type", subject(action, parameter) + " takes a "
+                            + "text of at most " + MAX_TEXT_LENGTH + " characters, found "
+                            + text.length());
+                }
+                yield text;
+            }
+            case TRUTH -> {
+                if (!(argument instanceof Boolean)) {
+                    throw wrongType(action, parameter, argument);
+                }
+                yield argument;
+            }
+        };
+    }
+
+    private static double[] numbers(Action action, Parameter parameter, Object argument)
+            throws ActionRefused {
+        List<?> list = argument instanceof List<?> several ? several : List.of(argument);
+        for (Object element : list) {
+            if (!(element instanceof Number)) {
+                throw wrongType(action, parameter, element);
+            }
+        }
+        if (list.size() != parameter.components()) {
+            throw new ActionRefused("wrong-components", subject(action, parameter) + " takes "
+                    + parameter.expectation() + ", found " + list.size());
+        }
+        double[] numbers = new double[list.size()];
+        for (int i = 0; i < numbers.length; i++) {
+            numbers[i] = ((Number) list.get(i)).doubleValue();
+            if (!Double.isFinite(numbers[i])) {
+                throw new ActionRefused("not-finite", subject(action, parameter)
+                        + " takes finite numbers, found " + list.get(i));
+            }
+        }
+        return numbers;
+    }
+
+    private static ActionRefused wrongType(Action action, Parameter parameter, Object found) {
+        String what = switch (found) {
+            case String text -> "a text";
+            case Boolean truth -> "a truth value";
+            case Number number -> "a number";
+            case List<?> list -> "a list";
+            default -> "something else";
+        };
+        return new ActionRefused("wrong-type", subject(action, parameter) + " takes "
+                + parameter.expectation() + ", found " + what);
+    }
+
+    private static String subject(Action action, Parameter parameter) {
+        return "`" + parameter.name() + "` of action " + action.name();
+    }
+
+    private static String parameterNames(Action action) {
+        return action.parameters().isEmpty() ? "no arguments"
+                : action.parameters().stream().map(Parameter::name)
+                        .collect(Collectors.joining("`, `", "`", "`"));
+    }
+}

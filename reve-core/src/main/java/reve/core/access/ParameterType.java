@@ -1,0 +1,11 @@
+package reve.core.access;
+
+/** What an action's parameter takes. */
+public enum ParameterType {
+    /** Finite numbers, one or several, in the parameter's unit. */
+    NUMBER,
+    /** A text of at most {@link Arguments#MAX_TEXT_LENGTH} characters. */
+    TEXT,
+    /** True or false. */
+    TRUTH
+}

@@ -1,0 +1,226 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import reve.core.world.ItemDefinition;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
+
+/** Reads items with their four aspects, and then what they say about each other. */
+final class ItemReader {
+    private final WorldPrototype prototype;
+    private final Problems problems;
+    private final PhysicsReader physics;
+    private final PhysicalReader physical;
+    private final ActionReader actions;
+    /** The items of the file by name; of several with one name, the first. */
+    private final Map<String, Entry> byName = new LinkedHashMap<>();
+    private final List<Reference> references = new ArrayList<>();
+
+    /** What others may ask about an item. */
+    private record Entry(Node name, String kind, boolean hasPhysics) {}
+
+    /** One mention of another item, to be resolved when all items are known. */
+    private record Reference(Node target, String property, String kind) {}
+
+    ItemReader(WorldPrototype prototype, Problems problems) {
+        this.prototype = prototype;
+        this.problems = problems;
+        this.physics = new PhysicsReader(prototype, problems);
+        this.physical = new PhysicalReader(prototype, physics, problems);
+        this.actions = new ActionReader(physics, problems);
+    }
+
+    /** All items under {@code items}, without those that have a problem. */
+    List<ItemDefinition> readAll(Node root) {
+        List<ItemDefinition> items = new ArrayList<>();
+        for (Node item : root.get("items").map(Node::children).orElse(List.of())) {
+            if (problems.full()) {
+                break;
+            }
+            read(item).ifPresent(items::add);
+        }
+        resolveReferences();
+        return items;
+    }
+
+    /** Names of the items that {@code agents.bodies} lists. */
+    List<String> readBodies(Node bodies) {
+        List<String> names = new ArrayList<>();
+        Set<String> seen = new HashSet<>();
+        for (Node node : bodies.children()) {
+            node.text().ifPresent(name -> {
+                Entry entry = byName.get(name);
+                if (entry == null) {
+                    problems.add(node, node.label() + ": no item is named `" + Node.shorten(name)
+                            + "`" + Suggestion.of(name, byName.keySet()));
+                } else if (!entry.kind.equals(WorldPrototype.BODY)) {
+                    problems.add(node, node.label() + ": `" + name + "` is a " + entry.kind
+                            + ", expected a body");
+                } else if (!seen.add(name)) {
+                    problems.add(node, node.label() + ": `" + name + "` is listed twice");
+                }
+                names.add(name);
+            });
+        }
+        return names;
+    }
+
+    /** The body that new agents get; the taker renames it. */
+    ItemDefinition readTemplate(Node template) {
+        ItemDefinition.Builder item = ItemDefinition.named("agent");
+        readAspects(template, WorldPrototype.BODY, item);
+        return item.build();
+    }
+
+    private Optional<ItemDefinition> read(Node node) {
+        Optional<Node> nameNode = node.get("name");
+        Optional<String> name = nameNode.flatMap(Node::text);
+        String kind = kind(node);
+        boolean hasPhysics = hasPhysics(node);
+        if (name.isEmpty() || !takeName(nameNode.get(), name.get(), kind, hasPhysics)) {
+            return Optional.empty();
+        }
+        try {
+            ItemDefinition.Builder item = ItemDefinition.named(name.get()).kind(kind);
+            readAspects(node, kind, item);
+            requireReferences(node, kind, name.get());
+            return Optional.of(item.build());
+        } catch (IllegalArgumentException refused) {
+            problems.add(nameNode.get(), refused.getMessage());
+            return Optional.empty();
+        }
+    }
+
+    private boolean takeName(Node node, String name, String kind, boolean hasPhysics) {
+        if (name.equals(WorldPrototype.WORLD)) {
+            problems.add(node, "name: `world` is the item that holds the constants; they belong "
+                    + "under `constants`");
+            return false;
+        }
+        Entry first = byName.putIfAbsent(name, new Entry(node, kind, hasPhysics));
+        if (first != null) {
+            problems.add(node, "duplicate item name `" + Node.shorten(name) + "`, first on line "
+                    + first.name.line());
+        }
+        return first == null;
+    }
+
+    private String kind(Node item) {
+        Optional<Node> node = item.get("kind");
+        String kind = node.flatMap(Node::text).orElse(WorldPrototype.BODY);
+        if (kind.equals(WorldPrototype.WORLD)) {
+            problems.add(node.orElseThrow(),
+                    "kind: there is one item of kind world; its properties belong under `constants`");
+        } else if (!prototype.kinds().contains(kind)) {
+            problems.add(node.orElseThrow(), "kind: no properties are declared for kind `" + kind
+                    + "`, known are " + String.join(", ", prototype.kinds())
+                    + Suggestion.of(kind, prototype.kinds()));
+        }
+        return kind;
+    }
+
+    private static boolean hasPhysics(Node item) {
+        return item.get("physics").filter(aspect -> !aspect.children().isEmpty()).isPresent();
+    }
+
+    private void readAspects(Node node, String kind, ItemDefinition.Builder item) {
+        node.get("physical").ifPresent(aspect -> {
+            if (kind.equals(WorldPrototype.BODY)) {
+                physical.read(aspect, item);
+            } else {
+                problems.addAtKey(aspect, "only items of kind body have `physical`, this is a "
+                        + kind);
+            }
+        });
+        node.get("semantic").ifPresent(aspect -> readSymbols(aspect, item));
+        node.get("physics").ifPresent(aspect -> readPhysics(aspect, kind, item));
+        var owner = new ActionReader.Owner(kind, hasPhysics(node));
+        for (Node action : node.get("access").map(Node::children).orElse(List.of())) {
+            actions.read(action, owner).ifPresent(item::action);
+        }
+    }
+
+    private void readSymbols(Node aspect, ItemDefinition.Builder item) {
+        for (Node symbol : aspect.children()) {
+            symbol.scalar().ifPresent(value -> {
+                try {
+                    item.symbol(symbol.key(), value);
+                } catch (IllegalArgumentException refused) {
+                    problems.addAtKey(symbol, refused.getMessage());
+                }
+            });
+        }
+    }
+
+    private void readPhysics(Node aspect, String kind, ItemDefinition.Builder item) {
+        physics.read(aspect, kind, new PhysicsReader.Sink() {
+            @Override
+            public void numbers(String property, double[] values) {
+                item.physics(property, values);
+            }
+
+            @Override
+            public void references(PropertyDescriptor property, List<Node> targets) {
+                item.reference(property.name(), targets.stream()
+                        .map(target -> target.text().orElseThrow()).toArray(String[]::new));
+                targets.forEach(target -> references.add(new Reference(target, property.name(),
+                        property.refersTo().orElseThrow())));
+            }
+        });
+    }
+
+    /** With a physics aspect, every reference of the kind must be there, each to another item. */
+    private void requireReferences(Node item, String kind, String name) {
+        if (!hasPhysics(item)) {
+            return;
+        }
+        Node aspect = item.get("physics").orElseThrow();
+        Set<String> targets = new HashSet<>();
+        for (PropertyDescriptor property : prototype.properties()) {
+            if (!property.kind().equals(kind) || property.type() != ScalarType.REF) {
+                continue;
+            }
+            Optional<Node> given = aspect.get(property.name());
+            if (given.isEmpty()) {
+                problems.addAtKey(aspect, kind + " `" + Node.shorten(name) + "` needs `"
+                        + property.name() + "`: " + property.doc());
+                continue;
+            }
+            List<Node> mentions = given.get().isList() ? List.copyOf(given.get().children())
+                    : List.of(given.get());
+            for (Node mention : mentions) {
+                mention.text().filter(target -> !targets.add(target)).ifPresent(twice ->
+                        problems.add(mention, mention.label() + ": `" + Node.shorten(twice)
+                                + "` is referred to twice; expected different items"));
+            }
+        }
+    }
+
+    private void resolveReferences() {
+        for (Reference reference : references) {
+            if (problems.full()) {
+                return;
+            }
+            String name = reference.target.text().orElseThrow();
+            String subject = reference.target.label() + ": ";
+            Entry entry = byName.get(name);
+            if (entry == null) {
+                problems.add(reference.target, subject + "no item is named `" + Node.shorten(name)
+                        + "`" + Suggestion.of(name, byName.keySet()));
+            } else if (!entry.kind.equals(reference.kind)) {
+                problems.add(reference.target, subject + "`" + name + "` is a " + entry.kind
+                        + ", expected a " + reference.kind);
+            } else if (!entry.hasPhysics) {
+                problems.add(reference.target, subject + "`" + name + "` has no `physics`, so "
+                        + "nothing can hold on to it; mass 0 makes a body immovable");
+            }
+        }
+    }
+}

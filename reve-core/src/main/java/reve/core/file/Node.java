@@ -1,0 +1,161 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.Collection;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * One value of a file and where it stands. The asking methods answer "empty" where a value has
+ * another type than asked for: that is for the schema to report, once.
+ */
+final class Node {
+    private final @Nullable Node parent;
+    private final Object key;
+    private final int keyLine;
+    private final int keyColumn;
+    private final int line;
+    private final int column;
+    /** A map or list of nodes, String, Long, Double, Boolean, or null for nothing. */
+    private final @Nullable Object value;
+
+    private Node(@Nullable Node parent, Object key, int keyLine, int keyColumn, int line,
+            int column, @Nullable Object value) {
+        this.parent = parent;
+        this.key = key;
+        this.keyLine = keyLine;
+        this.keyColumn = keyColumn;
+        this.line = line;
+        this.column = column;
+        this.value = value;
+    }
+
+    /** The outermost value of a file; {@code value} as {@link Slot#fill}. */
+    static Node root(int line, int column, @Nullable Object value) {
+        return new Node(null, "", line, column, line, column, value);
+    }
+
+    /** A place in a mapping or a list that waits for its value. */
+    record Slot(Node parent, Object key, int keyLine, int keyColumn) {
+        /** @param value a new LinkedHashMap or ArrayList for a mapping or list, else the scalar */
+        Node fill(int line, int column, @Nullable Object value) {
+            Node node = new Node(parent, key, keyLine, keyColumn, line, column, value);
+            if (parent.value instanceof List<?>) {
+                parent.elementList().add(node);
+            } else {
+                parent.fieldMap().put((String) key, node);
+            }
+            return node;
+        }
+    }
+
+    int line() {
+        return line;
+    }
+
+    int column() {
+        return column;
+    }
+
+    /** Where the key of this value stands; where the value stands if it has none. */
+    int keyLine() {
+        return key instanceof String ? keyLine : line;
+    }
+
+    int keyColumn() {
+        return key instanceof String ? keyColumn : column;
+    }
+
+    /** The key in the mapping, or the number in the list from 0. */
+    String key() {
+        return key.toString();
+    }
+
+    /** How messages name this value: {@code mass}, {@code laws[2]}; empty for the root. */
+    String label() {
+        return parent == null || key instanceof String ? key() : parent.label() + "[" + key + "]";
+    }
+
+    /** The JSON pointer from the root to here. */
+    String pointer() {
+        return parent == null ? ""
+                : parent.pointer() + "/" + key().replace("~", "~0").replace("/", "~1");
+    }
+
+    boolean isMapping() {
+        return value instanceof Map<?, ?>;
+    }
+
+    boolean isList() {
+        return value instanceof List<?>;
+    }
+
+    boolean isNothing() {
+        return value == null;
+    }
+
+    /** The value under a key of a mapping. */
+    Optional<Node> get(String name) {
+        return isMapping() ? Optional.ofNullable(fieldMap().get(name)) : Optional.empty();
+    }
+
+    /** The value at a place of a list, from 0. */
+    Optional<Node> get(int index) {
+        return isList() && index >= 0 && index < elementList().size()
+                ? Optional.of(elementList().get(index)) : Optional.empty();
+    }
+
+    /** What a mapping or list holds, in the order of the file. */
+    Collection<Node> children() {
+        return isMapping() ? fieldMap().values() : isList() ? elementList() : List.of();
+    }
+
+    Optional<String> text() {
+        return value instanceof String text ? Optional.of(text) : Optional.empty();
+    }
+
+    Optional<Double> number() {
+        return value instanceof Number number ? Optional.of(number.doubleValue())
+                : Optional.empty();
+    }
+
+    Optional<Boolean> truth() {
+        return value instanceof Boolean truth ? Optional.of(truth) : Optional.empty();
+    }
+
+    /** String, Long, Double or Boolean; empty for mappings, lists and nothing. */
+    Optional<Object> scalar() {
+        return isMapping() || isList() ? Optional.empty() : Optional.ofNullable(value);
+    }
+
+    /** What was found, for messages: {@code number 3}, {@code a list}. */
+    String describe() {
+        return switch (value) {
+            case null -> "nothing";
+            case String text -> "text `" + shorten(text) + "`";
+            case Boolean truth -> "`" + truth + "`";
+            case Number number -> "number " + number;
+            case Map<?, ?> map -> "a mapping";
+            default -> "a list of " + elementList().size();
+        };
+    }
+
+    static String shorten(String text) {
+        String line = text.replaceAll("\\p{Cntrl}", " ");
+        return line.length() <= 48 ? line : line.substring(0, 47) + "…";
+    }
+
+    @SuppressWarnings("unchecked") // by construction
+    private LinkedHashMap<String, Node> fieldMap() {
+        return (LinkedHashMap<String, Node>) Objects.requireNonNull(value);
+    }
+
+    @SuppressWarnings("unchecked") // by construction
+    private ArrayList<Node> elementList() {
+        return (ArrayList<Node>) Objects.requireNonNull(value);
+    }
+}

@@ -1,0 +1,156 @@
+package reve.core.file;
+
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
+import reve.core.world.WorldPrototype;
+
+/** Reads physical aspects: shape, colour, location and orientation. */
+final class PhysicalReader {
+    private static final Unit METRE = Unit.parse("m");
+    private static final Map<String, Set<String>> KEYS_BY_SHAPE = Map.of(
+            "sphere", Set.of("radius"),
+            "box", Set.of("size"),
+            "plane", Set.of("size"),
+            "mesh", new LinkedHashSet<>(List.of("vertices", "triangles")));
+    private static final List<String> SHAPE_KEYS =
+            List.of("radius", "size", "vertices", "triangles");
+
+    private final WorldPrototype prototype;
+    private final PhysicsReader physics;
+    private final Problems problems;
+    private final Quantities quantities;
+
+    PhysicalReader(WorldPrototype prototype, PhysicsReader physics, Problems problems) {
+        this.prototype = prototype;
+        this.physics = physics;
+        this.problems = problems;
+        this.quantities = new Quantities(problems);
+    }
+
+    void read(Node aspect, ItemDefinition.Builder item) {
+        aspect.get("colour").ifPresent(node -> node.text().ifPresent(
+                colour -> attempt(node, () -> item.colour(colour))));
+        aspect.get("location").ifPresent(node -> quantities.numbers(node, 3, METRE)
+                .filter(at -> physics.fits(node, prototype.realType(), at))
+                .ifPresent(at -> item.at(at[0], at[1], at[2])));
+        aspect.get("orientation").ifPresent(node -> orientation(node, item));
+        shape(aspect, item);
+    }
+
+    private void orientation(Node node, ItemDefinition.Builder item) {
+        Optional<double[]> quaternion = node.isMapping() ? aroundAxis(node)
+                : quantities.numbers(node, 4, Unit.ONE);
+        quaternion.ifPresent(q -> attempt(node, () -> item.orientation(q[0], q[1], q[2], q[3])));
+    }
+
+    private Optional<double[]> aroundAxis(Node node) {
+        Optional<double[]> axis = node.get("axis")
+                .flatMap(value -> quantities.numbers(value, 3, Unit.ONE));
+        Optional<Double> angle = node.get("angle")
+                .flatMap(value -> quantities.number(value, Unit.ONE));
+        if (axis.isEmpty() || angle.isEmpty()) {
+            return Optional.empty();
+        }
+        double[] a = axis.get();
+        double length = Math.hypot(Math.hypot(a[0], a[1]), a[2]);
+        if (length == 0 || !Double.isFinite(length)) {
+            problems.add(node.get("axis").orElseThrow(),
+                    "axis: has no direction, expected one such as 0 1 0");
+            return Optional.empty();
+        }
+        double sine = StrictMath.sin(angle.get() / 2);
+        return Optional.of(new double[] {a[0] / length * sine, a[1] / length * sine,
+            a[2] / length * sine, StrictMath.cos(angle.get() / 2)});
+    }
+
+    private void shape(Node aspect, ItemDefinition.Builder item) {
+        Optional<Node> node = aspect.get("shape");
+        String name = node.flatMap(Node::text).orElse("");
+        Set<String> wanted = KEYS_BY_SHAPE.getOrDefault(name, Set.of());
+        if (node.isPresent() && wanted.isEmpty()) {
+            return; // an unknown shape, which the schema reported
+        }
+        boolean complete = true;
+        for (String key : SHAPE_KEYS) {
+            Optional<Node> value = aspect.get(key);
+            if (value.isPresent() && !wanted.contains(key)) {
+                problems.addAtKey(value.get(), name.isEmpty()
+                        ? "`" + key + "` without a `shape`"
+                        : "`" + key + "` does not go with shape " + name + ", which takes `"
+                                + String.join("` and `", wanted) + "`");
+            } else if (value.isEmpty() && wanted.contains(key)) {
+                problems.add(node.orElseThrow(), "shape " + name + " needs `" + key + "`");
+                complete = false;
+            }
+        }
+        if (complete && node.isPresent()) {
+            attempt(node.get(), () -> form(name, aspect).ifPresent(item::shape));
+        }
+    }
+
+    private Optional<Shape> form(String name, Node aspect) {
+        return switch (name) {
+            case "sphere" -> aspect.get("radius").flatMap(node -> quantities.number(node, METRE))
+                    .map(Shape::sphere);
+            case "box" -> aspect.get("size").flatMap(node -> quantities.numbers(node, 3, METRE))
+                    .map(size -> Shape.box(size[0], size[1], size[2]));
+            case "plane" -> aspect.get("size").flatMap(node -> quantities.numbers(node, 2, METRE))
+                    .map(size -> Shape.plane(size[0], size[1]));
+            default -> mesh(aspect.get("vertices").orElseThrow(),
+                    aspect.get("triangles").orElseThrow());
+        };
+    }
+
+    private Optional<Shape> mesh(Node vertices, Node triangles) {
+        if (!vertices.isList() || !triangles.isList()) {
+            return Optional.empty();
+        }
+        float[] coordinates = new float[3 * vertices.children().size()];
+        int[] indices = new int[3 * triangles.children().size()];
+        boolean complete = true;
+        int next = 0;
+        for (Node vertex : vertices.children()) {
+            Optional<double[]> point = quantities.numbers(vertex, 3, METRE);
+            complete &= point.isPresent();
+            for (int axis = 0; axis < 3 && point.isPresent(); axis++) {
+                coordinates[next++] = (float) point.get()[axis];
+            }
+        }
+        next = 0;
+        for (Node triangle : triangles.children()) {
+            Optional<double[]> corners = quantities.numbers(triangle, 3, Unit.ONE)
+                    .filter(numbers -> areVertices(triangle, numbers, vertices.children().size()));
+            complete &= corners.isPresent();
+            for (int corner = 0; corner < 3 && corners.isPresent(); corner++) {
+                indices[next++] = (int) corners.get()[corner];
+            }
+        }
+        return complete ? Optional.of(Shape.mesh(coordinates, indices)) : Optional.empty();
+    }
+
+    private boolean areVertices(Node triangle, double[] numbers, int vertexCount) {
+        for (double number : numbers) {
+            if (number != Math.rint(number) || number < 0 || number >= vertexCount) {
+                problems.add(triangle, triangle.label() + ": " + number
+                        + " is not the number of a vertex, expected 0 to " + (vertexCount - 1));
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /** Runs what refuses bad values by itself, and notes the refusal where the value stands. */
+    private void attempt(Node node, Runnable step) {
+        try {
+            step.run();
+        } catch (IllegalArgumentException refused) {
+            problems.add(node, refused.getMessage());
+        }
+    }
+}

@@ -1,0 +1,131 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
+
+/** Reads physics aspects: which properties are known, of which type and unit, says the prototype. */
+final class PhysicsReader {
+    private final WorldPrototype prototype;
+    private final Problems problems;
+    private final Quantities quantities;
+
+    PhysicsReader(WorldPrototype prototype, Problems problems) {
+        this.prototype = prototype;
+        this.problems = problems;
+        this.quantities = new Quantities(problems);
+    }
+
+    /** Takes what an aspect holds, in the order of the file. */
+    interface Sink {
+        void numbers(String property, double[] values);
+
+        /** @param targets texts, the names of items, as many as the property has components */
+        void references(PropertyDescriptor property, List<Node> targets);
+    }
+
+    void read(Node aspect, String kind, Sink sink) {
+        for (Node value : aspect.children()) {
+            find(value, value.key(), kind).ifPresent(property -> {
+                if (property.type() == ScalarType.REF) {
+                    references(value, property)
+                            .ifPresent(targets -> sink.references(property, targets));
+                } else {
+                    numbers(value, property)
+                            .ifPresent(numbers -> sink.numbers(property.name(), numbers));
+                }
+            });
+        }
+    }
+
+    /** The constants of the world by name. */
+    Map<String, double[]> constants(Node aspect) {
+        Map<String, double[]> values = new LinkedHashMap<>();
+        read(aspect, WorldPrototype.WORLD, new Sink() {
+            @Override
+            public void numbers(String property, double[] numbers) {
+                values.put(property, numbers);
+            }
+
+            @Override
+            public void references(PropertyDescriptor property, List<Node> targets) {
+                throw new IllegalStateException("kind world has no references: " + property);
+            }
+        });
+        return values;
+    }
+
+    /** The property of that kind and name; empty and a problem noted at {@code where} if unknown. */
+    Optional<PropertyDescriptor> find(Node where, String name, String kind) {
+        Optional<PropertyDescriptor> property = prototype.find(kind, name);
+        if (property.isEmpty()) {
+            problems.addAtKey(where, "unknown physics property `" + Node.shorten(name)
+                    + "` of kind " + kind + hint(name, kind));
+        }
+        return property;
+    }
+
+    /** The value of a numeric property in its unit; empty and a problem noted if it does not fit. */
+    Optional<double[]> numbers(Node node, PropertyDescriptor property) {
+        return quantities.numbers(node, property.components(), property.unit())
+                .filter(values -> fits(node, property.type(), values));
+    }
+
+    /** Whether a column of the type can hold the values; a problem is noted if not. */
+    boolean fits(Node node, ScalarType type, double[] values) {
+        for (double value : values) {
+            if (!type.holds(value)) {
+                problems.add(node, node.label() + ": " + value + " is not " + switch (type) {
+                    case I32 -> "a whole number from -2147483648 to 2147483647";
+                    case U32 -> "a whole number from 0 to 4294967295";
+                    case F32, F64, REF -> "within the range of a 32-bit real; use prototype si-f64";
+                });
+                return false;
+            }
+            if (type == ScalarType.F32 && value != 0 && (float) value == 0) {
+                problems.add(node, node.label() + ": " + value
+                        + " would become 0 as a 32-bit real; use prototype si-f64");
+                return false;
+            }
+        }
+        return true;
+    }
+
+    private String hint(String name, String kind) {
+        for (PropertyDescriptor property : prototype.properties()) {
+            if (property.name().equals(name)) {
+                return "; it is a property of kind " + property.kind();
+            }
+        }
+        List<String> known = new ArrayList<>();
+        for (PropertyDescriptor property : prototype.properties()) {
+            if (property.kind().equals(kind)) {
+                known.add(property.name());
+            }
+        }
+        String suggestion = Suggestion.of(name, known);
+        return suggestion.isEmpty() ? "; known are " + String.join(", ", known)
+                + "; others are declared under `properties`" : suggestion;
+    }
+
+    private Optional<List<Node>> references(Node node, PropertyDescriptor property) {
+        String expected = property.components() == 1
+                ? "the name of a " + property.refersTo().orElseThrow()
+                : "a list of " + property.components() + " names of items of kind "
+                        + property.refersTo().orElseThrow();
+        List<Node> targets = property.components() == 1 ? List.of(node)
+                : node.isList() ? List.copyOf(node.children()) : List.of();
+        if (targets.size() != property.components()
+                || targets.stream().anyMatch(target -> target.text().isEmpty())) {
+            problems.add(node, node.label() + ": found " + node.describe() + ", expected "
+                    + expected);
+            return Optional.empty();
+        }
+        return Optional.of(targets);
+    }
+}

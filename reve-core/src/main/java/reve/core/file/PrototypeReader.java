@@ -1,0 +1,71 @@
+package reve.core.file;
+
+import java.util.List;
+import java.util.Optional;
+import reve.core.unit.Unit;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
+
+/** Reads {@code prototype} and {@code properties}: which properties the items of a world have. */
+final class PrototypeReader {
+    private final Problems problems;
+
+    PrototypeReader(Problems problems) {
+        this.problems = problems;
+    }
+
+    WorldPrototype read(Node root) {
+        WorldPrototype prototype = standard(root);
+        for (Node property : root.get("properties").map(Node::children).orElse(List.of())) {
+            prototype = extend(prototype, property);
+        }
+        return prototype;
+    }
+
+    /** The unit under the key {@code unit}, 1 if there is none; empty and a problem if it is wrong. */
+    static Optional<Unit> unit(Node owner, Problems problems) {
+        Optional<Node> node = owner.get("unit");
+        if (node.isEmpty()) {
+            return Optional.of(Unit.ONE);
+        }
+        try {
+            return node.get().scalar().map(Object::toString).map(Unit::parse);
+        } catch (IllegalArgumentException notAUnit) {
+            problems.add(node.get(), notAUnit.getMessage());
+            return Optional.empty();
+        }
+    }
+
+    /** The whole number under the key {@code components}, 1 if there is none. */
+    static int components(Node owner) {
+        return owner.get("components").flatMap(Node::number).orElse(1.0).intValue();
+    }
+
+    private static WorldPrototype standard(Node root) {
+        boolean single = root.get("prototype").flatMap(Node::text).equals(Optional.of("si-f32"));
+        return WorldPrototype.standard(single ? "si-f32" : "si-f64");
+    }
+
+    private WorldPrototype extend(WorldPrototype prototype, Node node) {
+        Optional<String> name = node.get("name").flatMap(Node::text);
+        Optional<String> kind = node.get("kind").flatMap(Node::text);
+        Optional<Unit> unit = unit(node, problems);
+        if (name.isEmpty() || kind.isEmpty() || unit.isEmpty()) {
+            return prototype;
+        }
+        ScalarType type = switch (node.get("type").flatMap(Node::text).orElse("real")) {
+            case "i32" -> ScalarType.I32;
+            case "u32" -> ScalarType.U32;
+            default -> prototype.realType();
+        };
+        try {
+            return prototype.extendedBy(List.of(new PropertyDescriptor(name.get(), kind.get(), type,
+                    components(node), unit.get(), Optional.empty(),
+                    node.get("doc").flatMap(Node::text).orElse(""))));
+        } catch (IllegalArgumentException refused) {
+            problems.add(node.get("name").orElseThrow(), refused.getMessage());
+            return prototype;
+        }
+    }
+}

@@ -1,0 +1,171 @@
+package reve.core.file;
+
+import java.util.Arrays;
+import java.util.Optional;
+import java.util.function.DoubleUnaryOperator;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+import reve.core.unit.Unit;
+
+/**
+ * Reads the numbers of a world file: {@code 3}, {@code [0, 3, 0]}, {@code 3 kg},
+ * {@code 0 3 0 km/h} or {@code "[0, 3, 0] km/h"}. Numbers without a unit are in the unit that is
+ * asked for, others are converted to it.
+ */
+final class Quantities {
+    private static final Pattern NUMBER =
+            Pattern.compile("[+-]?(\\d+\\.?\\d*|\\.\\d+)([eE][+-]?\\d+)?");
+    private static final Pattern NOT_FINITE =
+            Pattern.compile("[+-]?\\.?(nan|inf|infinity)", Pattern.CASE_INSENSITIVE);
+    private static final Pattern NO_SPACE = Pattern.compile("(?<number>" + NUMBER + ")(?<unit>[\\p{L}°%].*)");
+    private static final Pattern LIST = Pattern.compile("\\[([^\\[\\]]*)\\](.*)");
+    private static final Pattern GAP = Pattern.compile("\\s*,\\s*|\\s+");
+
+    private final Problems problems;
+
+    Quantities(Problems problems) {
+        this.problems = problems;
+    }
+
+    /** One number in {@code unit}, or empty and a problem noted. */
+    Optional<Double> number(Node node, Unit unit) {
+        return numbers(node, 1, unit).map(values -> values[0]);
+    }
+
+    /** {@code count} numbers in {@code unit}, or empty and a problem noted. */
+    Optional<double[]> numbers(Node node, int count, Unit unit) {
+        if (node.text().isPresent()) {
+            return fromText(node, count, unit);
+        }
+        if (node.isList()) {
+            return fromList(node, count, unit);
+        }
+        return node.number().flatMap(number -> counted(node, new double[] {number}, count, unit));
+    }
+
+    /** One number in SI units, whatever its unit, or empty and a problem noted. */
+    Optional<Double> si(Node node) {
+        if (node.text().isEmpty()) {
+            return node.number();
+        }
+        Optional<Parsed> parsed = parse(node, "a number with a unit, such as `3 m/s`");
+        if (parsed.isEmpty()) {
+            return Optional.empty();
+        }
+        Unit from = parsed.get().unit.orElse(Unit.ONE);
+        double[] numbers = parsed.get().numbers;
+        if (numbers.length != 1) {
+            return refuse(node, "found " + plural(numbers.length) + ", expected one");
+        }
+        return finite(node, numbers, from, from::toSi).map(values -> values[0]);
+    }
+
+    private record Parsed(double[] numbers, Optional<Unit> unit) {}
+
+    private Optional<double[]> fromText(Node node, int count, Unit unit) {
+        Optional<Parsed> parsed = parse(node, expected(count, unit));
+        if (parsed.isEmpty()) {
+            return Optional.empty();
+        }
+        Unit from = parsed.get().unit.orElse(unit);
+        if (!from.sameDimension(unit)) {
+            return refuse(node, "unit " + from + " does not fit " + unit);
+        }
+        return counted(node, parsed.get().numbers, count, unit)
+                .flatMap(numbers -> finite(node, numbers, from, n -> from.convert(n, unit)));
+    }
+
+    private Optional<double[]> fromList(Node node, int count, Unit unit) {
+        double[] numbers = new double[node.children().size()];
+        int next = 0;
+        for (Node element : node.children()) {
+            if (element.number().isEmpty()) {
+                problems.add(element, node.label() + ": found " + element.describe()
+                        + " in a list of numbers; a unit goes behind all of them, as in `"
+                        + example(count, unit) + "`");
+                return Optional.empty();
+            }
+            numbers[next++] = element.number().get();
+        }
+        return counted(node, numbers, count, unit);
+    }
+
+    private Optional<double[]> counted(Node node, double[] numbers, int count, Unit unit) {
+        return numbers.length == count ? Optional.of(numbers)
+                : refuse(node, "found " + plural(numbers.length) + ", expected "
+                        + expected(count, unit));
+    }
+
+    /** Takes a text apart into leading numbers and what follows them. */
+    private Optional<Parsed> parse(Node node, String expected) {
+        String text = node.text().orElseThrow().strip();
+        Matcher list = LIST.matcher(text);
+        boolean bracketed = list.matches();
+        String[] words = GAP.split(bracketed ? list.group(1).strip() : text);
+        for (String word : words) {
+            if (NOT_FINITE.matcher(word).matches()) {
+                return refuse(node, "`" + word + "` is not a finite number");
+            }
+        }
+        int count = 0;
+        while (count < words.length && NUMBER.matcher(words[count]).matches()) {
+            count++;
+        }
+        double[] numbers = new double[count];
+        for (int i = 0; i < count; i++) {
+            numbers[i] = Double.parseDouble(words[i]);
+        }
+        if (count == 0 || bracketed && count < words.length) {
+            return refuse(node, noNumber(words[count], text, expected));
+        }
+        String unit = bracketed ? list.group(2).strip()
+                : String.join(" ", Arrays.asList(words).subList(count, words.length));
+        return unit.isEmpty() ? Optional.of(new Parsed(numbers, Optional.empty()))
+                : unit(node, unit).map(read -> new Parsed(numbers, Optional.of(read)));
+    }
+
+    private Optional<Unit> unit(Node node, String text) {
+        try {
+            return Optional.of(Unit.parse(text));
+        } catch (IllegalArgumentException notAUnit) {
+            return refuse(node, notAUnit.getMessage());
+        }
+    }
+
+    private static String noNumber(String word, String text, String expected) {
+        Matcher joined = NO_SPACE.matcher(word);
+        return joined.matches()
+                ? "`" + Node.shorten(word) + "` needs a space between number and unit: `"
+                        + joined.group("number") + " " + Node.shorten(joined.group("unit")) + "`"
+                : "found text `" + Node.shorten(text) + "`, expected " + expected;
+    }
+
+    private Optional<double[]> finite(Node node, double[] numbers, Unit from,
+            DoubleUnaryOperator conversion) {
+        double[] values = Arrays.stream(numbers).map(conversion).toArray();
+        for (int i = 0; i < values.length; i++) {
+            if (!Double.isFinite(values[i])) {
+                return refuse(node, numbers[i] + " " + from + " is too large for a 64-bit number");
+            }
+        }
+        return Optional.of(values);
+    }
+
+    private <T> Optional<T> refuse(Node node, String message) {
+        problems.add(node, node.label() + ": " + message);
+        return Optional.empty();
+    }
+
+    private static String expected(int count, Unit unit) {
+        return (count == 1 ? "a number" : count + " numbers")
+                + (unit.equals(Unit.ONE) ? "" : " in " + unit);
+    }
+
+    private static String plural(int count) {
+        return count + (count == 1 ? " number" : " numbers");
+    }
+
+    private static String example(int count, Unit unit) {
+        return "0 ".repeat(count) + (unit.equals(Unit.ONE) ? "deg" : unit.symbol());
+    }
+}

@@ -1,0 +1,200 @@
+package reve.core.file;
+
+import com.networknt.schema.Error;
+import com.networknt.schema.Schema;
+import com.networknt.schema.SchemaLocation;
+import com.networknt.schema.SchemaRegistry;
+import com.networknt.schema.SpecificationVersion;
+import com.networknt.schema.path.NodePath;
+import java.io.IOException;
+import java.io.InputStream;
+import java.io.UncheckedIOException;
+import java.nio.charset.StandardCharsets;
+import java.util.ArrayList;
+import java.util.Collection;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.stream.Collectors;
+import tools.jackson.core.JsonPointer;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.ArrayNode;
+import tools.jackson.databind.node.JsonNodeFactory;
+import tools.jackson.databind.node.ObjectNode;
+
+/**
+ * Checks the form of a file against the schema that is shipped, and says what the schema's library
+ * found in the words of this project, at the place in the file.
+ */
+final class SchemaCheck {
+    private static final String RESOURCE = "/reve-world.schema.json";
+    private static final String ID = "urn:reve:world-file:1";
+    private static final String SOURCE = resource();
+    private static final JsonNode TREE = JsonMapper.shared().readTree(SOURCE);
+    private static final SchemaRegistry REGISTRY = SchemaRegistry.withDefaultDialect(
+            SpecificationVersion.DRAFT_2020_12, builder -> builder.schemas(Map.of(ID, SOURCE)));
+    private static final Schema FILE = REGISTRY.getSchema(SchemaLocation.of(ID));
+    private static final Schema ITEM = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/item"));
+    private static final Map<String, String> TYPES = Map.of(
+            "object", "a mapping", "array", "a list", "string", "a text", "number", "a number",
+            "integer", "a whole number", "boolean", "true or false");
+
+    private final Problems problems;
+
+    private SchemaCheck(Problems problems) {
+        this.problems = problems;
+    }
+
+    /** Notes everything in the file that has not the form it should have. */
+    static void check(Node root, Problems problems) {
+        new SchemaCheck(problems).check(root);
+    }
+
+    /** Items are checked one by one: there may be many, and a hundred problems are enough. */
+    private void check(Node root) {
+        ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));
+        report(FILE.validate(withoutItems), root);
+        for (Node item : root.get("items").filter(Node::isList).map(Node::children)
+                .orElse(List.of())) {
+            if (problems.full()) {
+                return;
+            }
+            report(ITEM.validate(toJson(item, Optional.empty())), item);
+        }
+    }
+
+    private void report(List<Error> errors, Node base) {
+        for (Error error : errors) {
+            Node node = resolve(base, error.getInstanceLocation());
+            switch (error.getKeyword()) {
+                case "additionalProperties" -> {
+                    Node extra = node.get(error.getProperty()).orElse(node);
+                    problems.addAtKey(extra, "unknown key `" + Node.shorten(extra.key()) + "`"
+                            + hintForUnknownKey(error));
+                }
+                case "propertyNames" -> {
+                    Node named = node.get(error.getProperty()).orElse(node);
+                    problems.addAtKey(named, "`" + Node.shorten(named.key())
+                            + "` is not a name; expected " + description("label"));
+                }
+                default -> problems.add(node, subject(node) + message(error, node));
+            }
+        }
+    }
+
+    private static String subject(Node node) {
+        return node.label().isEmpty() ? "" : node.label() + ": ";
+    }
+
+    private String message(Error error, Node node) {
+        JsonNode rule = error.getSchemaNode();
+        return switch (error.getKeyword()) {
+            case "required" -> "`" + error.getProperty() + "` is missing";
+            case "type" -> "found " + node.describe() + ", expected " + types(rule)
+                    + hintForType(rule, node);
+            case "const" -> "found " + node.describe() + ", expected " + rule
+                    + ", the format version that is read here";
+            case "enum" -> "found " + node.describe() + ", expected one of `"
+                    + String.join("`, `", strings(rule)) + "`"
+                    + node.text().map(text -> Suggestion.of(text, strings(rule))).orElse("");
+            case "pattern" -> "found " + node.describe() + ", expected "
+                    + surrounding(error).path("description").asString();
+            case "minimum" -> "found " + node.describe() + ", expected at least " + rule;
+            case "maximum" -> "found " + node.describe() + ", expected at most " + rule;
+            case "minLength" -> "found an empty text, expected a name";
+            case "maxLength" -> "found a text of " + node.text().orElse("").length()
+                    + " characters, expected at most " + rule;
+            case "minItems", "minProperties" -> "found " + node.describe()
+                    + ", expected at least " + rule + " in it";
+            case "maxItems" -> "found " + node.describe() + ", expected at most " + rule
+                    + " in it";
+            default -> error.getMessage();
+        };
+    }
+
+    private static String types(JsonNode rule) {
+        List<String> names = strings(rule).stream().map(TYPES::get).toList();
+        return names.size() == 1 ? names.getFirst()
+                : String.join(", ", names.subList(0, names.size() - 1)) + " or "
+                        + names.getLast();
+    }
+
+    private static String hintForType(JsonNode rule, Node node) {
+        if (!strings(rule).contains("string")) {
+            return "";
+        }
+        if (node.isNothing() && node.key().equals("colour")) {
+            return "; a # begins a comment, so put the colour in quotes";
+        }
+        boolean textOnly = strings(rule).size() == 1;
+        return textOnly && node.scalar().isPresent() ? "; put it in quotes" : "";
+    }
+
+    private static String hintForUnknownKey(Error error) {
+        List<String> known = new ArrayList<>(
+                surrounding(error).path("properties").propertyNames());
+        String suggestion = Suggestion.of(error.getProperty(), known);
+        return suggestion.isEmpty() ? "; known here: " + String.join(", ", known) : suggestion;
+    }
+
+    /** The part of the schema that holds the rule which was broken. */
+    private static JsonNode surrounding(Error error) {
+        String rule = error.getSchemaLocation().getFragment().toString();
+        return TREE.at(JsonPointer.compile(rule.substring(0, rule.lastIndexOf('/'))));
+    }
+
+    private static String description(String definition) {
+        return TREE.path("$defs").path(definition).path("description").asString();
+    }
+
+    private static List<String> strings(JsonNode rule) {
+        Collection<JsonNode> values = rule.isArray() ? rule.values() : List.of(rule);
+        return values.stream().map(JsonNode::asString).collect(Collectors.toList());
+    }
+
+    private static Node resolve(Node base, NodePath path) {
+        Node node = base;
+        for (int i = 0; i < path.getNameCount(); i++) {
+            Node here = node;
+            node = (path.getElement(i) instanceof Integer index ? here.get(index)
+                    : here.get(path.getName(i))).orElseThrow();
+        }
+        return node;
+    }
+
+    /** The same values for the library; {@code emptied} as a list without elements. */
+    private static JsonNode toJson(Node node, Optional<Node> emptied) {
+        JsonNodeFactory json = JsonNodeFactory.instance;
+        if (node.isMapping()) {
+            ObjectNode object = json.objectNode();
+            node.children().forEach(child -> object.set(child.key(), toJson(child, emptied)));
+            return object;
+        }
+        if (node.isList()) {
+            ArrayNode array = json.arrayNode();
+            if (emptied.isEmpty() || emptied.get() != node) {
+                node.children().forEach(child -> array.add(toJson(child, emptied)));
+            }
+            return array;
+        }
+        return switch (node.scalar().orElse(null)) {
+            case null -> json.nullNode();
+            case Long number -> json.numberNode(number);
+            case Double number -> json.numberNode(number);
+            case Boolean truth -> json.booleanNode(truth);
+            case Object text -> json.stringNode((String) text);
+        };
+    }
+
+    private static String resource() {
+        try (InputStream in = SchemaCheck.class.getResourceAsStream(RESOURCE)) {
+            if (in == null) {
+                throw new IllegalStateException("resource " + RESOURCE + " is not on the class path");
+            }
+            return new String(in.readAllBytes(), StandardCharsets.UTF_8);
+        } catch (IOException e) {
+            throw new UncheckedIOException("cannot read resource " + RESOURCE, e);
+        }
+    }
+}

@@ -1,0 +1,63 @@
+package reve.core.file;
+
+import java.io.IOException;
+import java.io.InputStream;
+import java.nio.ByteBuffer;
+import java.nio.CharBuffer;
+import java.nio.charset.CharsetDecoder;
+import java.nio.charset.CoderResult;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+
+/** From a path to text: what is refused before any parser sees it. */
+final class SourceText {
+    /** Largest world file [bytes]. */
+    static final int MAX_BYTES = 16 << 20;
+
+    private SourceText() {}
+
+    /**
+     * Reads a regular UTF-8 file of at most {@link #MAX_BYTES}.
+     *
+     * @throws IOException if the system cannot read it
+     */
+    static String read(Path path, Problems problems) throws IOException, WorldFileException {
+        if (!Files.exists(path)) {
+            throw problems.fatal(1, 1, "there is no such file");
+        }
+        if (!Files.isRegularFile(path)) {
+            throw problems.fatal(1, 1, "not a regular file; expected a world file such as "
+                    + "world.yaml");
+        }
+        try (InputStream in = Files.newInputStream(path)) {
+            return decode(in.readNBytes(MAX_BYTES + 1), problems);
+        }
+    }
+
+    static String decode(byte[] bytes, Problems problems) throws WorldFileException {
+        if (bytes.length > MAX_BYTES) {
+            throw problems.fatal(1, 1, "larger than " + (MAX_BYTES >> 20)
+                    + " MiB, the limit for a world file");
+        }
+        CharsetDecoder decoder = StandardCharsets.UTF_8.newDecoder();
+        CharBuffer text = CharBuffer.allocate(bytes.length);
+        CoderResult result = decoder.decode(ByteBuffer.wrap(bytes), text, true);
+        text.flip();
+        if (result.isError()) {
+            throw atEnd(text, problems, "not UTF-8 text from here on; save the file as UTF-8");
+        }
+        int start = !text.isEmpty() && text.charAt(0) == '\uFEFF' ? 1 : 0;
+        return text.subSequence(start, text.length()).toString();
+    }
+
+    private static WorldFileException atEnd(CharSequence text, Problems problems, String message) {
+        int line = 1;
+        int column = 1;
+        for (int i = 0; i < text.length(); i++) {
+            column = text.charAt(i) == '\n' ? 1 : column + 1;
+            line += text.charAt(i) == '\n' ? 1 : 0;
+        }
+        return problems.fatal(line, column, message);
+    }
+}

@@ -1,0 +1,42 @@
+package reve.core.file;
+
+import java.util.Collections;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.frame.Timing;
+import reve.core.world.ColumnArena;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+/**
+ * A world before it runs: what a world file says, checked and in SI units. Immutable; any number of
+ * worlds can be built from it.
+ *
+ * @param doc what the world shows, for people; may be empty
+ * @param laws in the order in which they are loaded
+ * @param constants values of the properties of the item {@code world}, by name [their units]
+ * @param camera empty if pictures choose their own
+ * @param items in the order of the file; they may refer to each other
+ */
+public record WorldDescription(String name, String doc, WorldPrototype prototype, Timing timing,
+        List<LawReference> laws, Map<String, double[]> constants,
+        Optional<CameraDescription> camera, AgentPolicy agents, List<ItemDefinition> items) {
+    public WorldDescription {
+        laws = List.copyOf(laws);
+        constants = Collections.unmodifiableMap(new LinkedHashMap<>(constants));
+        items = List.copyOf(items);
+    }
+
+    /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
+    public World build(ColumnArena arena) {
+        World world = new World(name, prototype, arena);
+        Item constantsItem = world.find(WorldPrototype.WORLD).orElseThrow();
+        constants.forEach((property, values) -> constantsItem.physics().set(property, values));
+        world.addAll(items);
+        return world;
+    }
+}

@@ -1,0 +1,44 @@
+package reve.core.file;
+
+import java.io.IOException;
+import java.nio.file.Path;
+
+/**
+ * Reads world files: YAML (any JSON file is also valid) that follows the schema
+ * {@code reve-world.schema.json}. Any thread; nothing is kept between calls.
+ */
+public final class WorldFile {
+    /** The format version that {@code reve:} names. */
+    public static final int FORMAT_VERSION = 1;
+
+    private WorldFile() {}
+
+    /**
+     * Reads and checks a whole file.
+     *
+     * @throws WorldFileException with all that is wrong with it, by line and column
+     * @throws IOException if the system cannot read it
+     */
+    public static WorldDescription load(Path path) throws WorldFileException, IOException {
+        var problems = new Problems(path.toString());
+        return read(SourceText.read(path, problems), problems);
+    }
+
+    /**
+     * Reads and checks the bytes of a file.
+     *
+     * @param name what problems call the file
+     * @throws WorldFileException as {@link #load}
+     */
+    public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
+        var problems = new Problems(name);
+        return read(SourceText.decode(content, problems), problems);
+    }
+
+    private static WorldDescription read(String text, Problems problems)
+            throws WorldFileException {
+        Node root = YamlReader.read(text, problems);
+        SchemaCheck.check(root, problems);
+        return new WorldReader(problems).read(root);
+    }
+}

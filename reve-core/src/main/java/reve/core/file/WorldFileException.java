@@ -1,0 +1,21 @@
+package reve.core.file;
+
+import java.util.List;
+import java.util.stream.Collectors;
+
+/** A world file was refused. Its message is all problems, one a line, in the order of the file. */
+public final class WorldFileException extends Exception {
+    private static final long serialVersionUID = 1L;
+
+    private final transient List<Problem> problems;
+
+    WorldFileException(List<Problem> problems) {
+        super(problems.stream().map(Problem::toString).collect(Collectors.joining("\n")));
+        this.problems = List.copyOf(problems);
+    }
+
+    /** At least one, sorted by position. */
+    public List<Problem> problems() {
+        return problems;
+    }
+}

@@ -1,0 +1,135 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.frame.Timing;
+import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
+import reve.core.world.WorldPrototype;
+
+/** Reads a whole file whose form was checked; what the schema cannot express is checked here. */
+final class WorldReader {
+    private static final Unit METRE = Unit.parse("m");
+    private static final double DEFAULT_FOV_RADIANS = Math.PI / 4;
+
+    private final Problems problems;
+    private final Quantities quantities;
+
+    WorldReader(Problems problems) {
+        this.problems = problems;
+        this.quantities = new Quantities(problems);
+    }
+
+    WorldDescription read(Node root) throws WorldFileException {
+        WorldPrototype prototype = new PrototypeReader(problems).read(root);
+        var itemReader = new ItemReader(prototype, problems);
+        List<ItemDefinition> items = itemReader.readAll(root);
+        List<LawReference> laws = laws(root);
+        Map<String, double[]> constants = root.get("constants")
+                .map(new PhysicsReader(prototype, problems)::constants).orElse(Map.of());
+        Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
+        AgentPolicy agents = root.get("agents").map(node -> agents(node, itemReader))
+                .orElse(AgentPolicy.none());
+        problems.throwIfAny();
+        return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
+                timing(root), laws, constants, camera, agents, items);
+    }
+
+    private static String text(Node node, String key) {
+        return node.get(key).flatMap(Node::text).orElse("");
+    }
+
+    private static Timing timing(Node root) {
+        Optional<Node> frame = root.get("frame");
+        return new Timing(
+                wholeNumber(frame, "rate", Timing.DEFAULT.framesPerSecond()),
+                wholeNumber(frame, "steps", Timing.DEFAULT.stepsPerFrame()));
+    }
+
+    private static int wholeNumber(Optional<Node> node, String key, int otherwise) {
+        return node.flatMap(mapping -> mapping.get(key)).flatMap(Node::number)
+                .map(Double::intValue).orElse(otherwise);
+    }
+
+    private List<LawReference> laws(Node root) {
+        List<LawReference> laws = new ArrayList<>();
+        Map<String, Node> byName = new HashMap<>();
+        for (Node node : root.get("laws").map(Node::children).orElse(List.of())) {
+            Optional<Node> nameNode = node.isMapping() ? node.get("name") : Optional.of(node);
+            nameNode.flatMap(Node::text).ifPresent(name -> {
+                Node first = byName.putIfAbsent(name, nameNode.get());
+                if (first != null) {
+                    problems.add(nameNode.get(), "duplicate law `" + Node.shorten(name)
+                            + "`, first on line " + first.line());
+                }
+                laws.add(new LawReference(name, parameters(node)));
+            });
+        }
+        return laws;
+    }
+
+    /** Which parameters a law has, only the law knows; here they become numbers in SI units. */
+    private Map<String, Double> parameters(Node law) {
+        Map<String, Double> values = new LinkedHashMap<>();
+        for (Node node : law.get("parameters").map(Node::children).orElse(List.of())) {
+            quantities.si(node).ifPresent(value -> values.put(node.key(), value));
+        }
+        return values;
+    }
+
+    private Optional<CameraDescription> camera(Node node) {
+        Optional<double[]> eye = vector(node, "eye", METRE);
+        Optional<double[]> target = vector(node, "target", METRE);
+        Optional<double[]> up = node.get("up").isEmpty() ? Optional.of(new double[] {0, 1, 0})
+                : vector(node, "up", Unit.ONE);
+        Optional<Double> fov = node.get("fov").isEmpty() ? Optional.of(DEFAULT_FOV_RADIANS)
+                : fov(node.get("fov").get());
+        if (eye.isEmpty() || target.isEmpty() || up.isEmpty() || fov.isEmpty()) {
+            return Optional.empty();
+        }
+        double[] sight = new double[3];
+        for (int axis = 0; axis < 3; axis++) {
+            sight[axis] = target.get()[axis] - eye.get()[axis];
+        }
+        if (length(sight) == 0) {
+            problems.add(node.get("target").orElseThrow(), "target: is where the eye is");
+        } else if (length(cross(sight, up.get())) <= 1e-9 * length(sight) * length(up.get())) {
+            problems.add(node.get("up").or(() -> node.get("target")).orElseThrow(),
+                    "up: has no direction across the line of sight, expected another `up`");
+        }
+        return Optional.of(new CameraDescription(eye.get(), target.get(), up.get(), fov.get()));
+    }
+
+    private Optional<double[]> vector(Node owner, String key, Unit unit) {
+        return owner.get(key).flatMap(node -> quantities.numbers(node, 3, unit));
+    }
+
+    private Optional<Double> fov(Node node) {
+        return quantities.number(node, Unit.ONE).filter(angle -> {
+            boolean possible = angle > 0 && angle < Math.PI;
+            if (!possible) {
+                problems.add(node, "fov: " + angle + " rad is not between 0 and 180 deg; write "
+                        + "degrees as `45 deg`");
+            }
+            return possible;
+        });
+    }
+
+    private static double length(double[] v) {
+        return Math.sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    }
+
+    private static double[] cross(double[] a, double[] b) {
+        return new double[] {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+            a[0] * b[1] - a[1] * b[0]};
+    }
+
+    private static AgentPolicy agents(Node node, ItemReader itemReader) {
+        return new AgentPolicy(node.get("bodies").map(itemReader::readBodies).orElse(List.of()),
+                node.get("body").map(itemReader::readTemplate));
+    }
+}

@@ -1,0 +1,261 @@
+package reve.core.file;
+
+import java.util.ArrayDeque;
+import java.util.ArrayList;
+import java.util.Deque;
+import java.util.Iterator;
+import java.util.LinkedHashMap;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+import org.snakeyaml.engine.v2.api.LoadSettings;
+import org.snakeyaml.engine.v2.api.lowlevel.Parse;
+import org.snakeyaml.engine.v2.events.AliasEvent;
+import org.snakeyaml.engine.v2.events.CollectionStartEvent;
+import org.snakeyaml.engine.v2.events.DocumentStartEvent;
+import org.snakeyaml.engine.v2.events.Event;
+import org.snakeyaml.engine.v2.events.MappingStartEvent;
+import org.snakeyaml.engine.v2.events.NodeEvent;
+import org.snakeyaml.engine.v2.events.ScalarEvent;
+import org.snakeyaml.engine.v2.exceptions.Mark;
+import org.snakeyaml.engine.v2.exceptions.MarkedYamlEngineException;
+import org.snakeyaml.engine.v2.exceptions.ReaderException;
+import org.snakeyaml.engine.v2.exceptions.YamlEngineException;
+import org.snakeyaml.engine.v2.nodes.Tag;
+import org.snakeyaml.engine.v2.resolver.CoreScalarResolver;
+import org.snakeyaml.engine.v2.resolver.ScalarResolver;
+
+/**
+ * Text to {@link Node}s: one YAML 1.2 document of mappings, lists and scalars. What makes YAML
+ * surprising or dangerous (aliases, tags, several documents, deep nesting) is refused.
+ */
+final class YamlReader {
+    /** Deepest nesting of mappings and lists. */
+    static final int MAX_DEPTH = 32;
+    /** Most values, counting mappings and lists, in one file. */
+    static final int MAX_VALUES = 2_000_000;
+    /** Longest text of a key or a value [characters]. */
+    static final int MAX_TEXT_LENGTH = 65_536;
+
+    private final Problems problems;
+    private final ScalarResolver resolver = new CoreScalarResolver(false);
+    /** The mapping or list being read, innermost last. */
+    private final Deque<Node> open = new ArrayDeque<>();
+    private @Nullable Node root;
+    /** A key whose value comes next. */
+    private Node.@Nullable Slot waiting;
+    private int values;
+    private int documents;
+
+    private YamlReader(Problems problems) {
+        this.problems = problems;
+    }
+
+    /**
+     * The outermost mapping of the text. Duplicate keys and numbers that are not finite are noted
+     * in {@code problems} and reading goes on.
+     *
+     * @throws WorldFileException for what ends the reading: syntax, limits, refused YAML features
+     */
+    static Node read(String text, Problems problems) throws WorldFileException {
+        var settings = LoadSettings.builder().setCodePointLimit(Integer.MAX_VALUE).build();
+        var reader = new YamlReader(problems);
+        try {
+            Iterator<Event> events = new Parse(settings).parseString(text).iterator();
+            while (events.hasNext()) {
+                reader.take(events.next());
+            }
+        } catch (MarkedYamlEngineException syntax) {
+            throw reader.fatal(syntax.getProblemMark(), sentence(syntax));
+        } catch (ReaderException unprintable) {
+            throw fatalAt(text, unprintable, problems);
+        } catch (YamlEngineException other) {
+            throw problems.fatal(1, 1, "not valid YAML: " + other.getMessage());
+        }
+        return reader.requireRoot();
+    }
+
+    private void take(Event event) throws WorldFileException {
+        switch (event) {
+            case DocumentStartEvent start -> {
+                if (++documents > 1) {
+                    throw fatal(start.getStartMark(),
+                            "a second document begins here; a file holds one world");
+                }
+            }
+            case AliasEvent alias -> throw fatal(alias.getStartMark(),
+                    "aliases (`*" + alias.getAlias() + "`) are not allowed; write the value out");
+            case CollectionStartEvent start -> {
+                refuseFeatures(start, start.getTag());
+                openCollection(start);
+            }
+            case ScalarEvent scalar -> {
+                refuseFeatures(scalar, scalar.getTag());
+                takeScalar(scalar);
+            }
+            default -> closeIfEnd(event);
+        }
+    }
+
+    private void closeIfEnd(Event event) {
+        switch (event.getEventId()) {
+            case MappingEnd, SequenceEnd -> open.removeLast();
+            default -> { }
+        }
+    }
+
+    private void refuseFeatures(NodeEvent event, Optional<String> tag) throws WorldFileException {
+        if (event.getAnchor().isPresent()) {
+            throw fatal(event.getStartMark(), "anchors (`&" + event.getAnchor().get()
+                    + "`) are not allowed; write values out where they are used");
+        }
+        if (tag.isPresent()) {
+            throw fatal(event.getStartMark(),
+                    "tags (`" + Node.shorten(tag.get()) + "`) are not allowed; write the value only");
+        }
+    }
+
+    private void openCollection(CollectionStartEvent start) throws WorldFileException {
+        if (awaitsKey()) {
+            throw fatal(start.getStartMark(), "a key must be a name, found a list or a mapping");
+        }
+        if (open.size() == MAX_DEPTH) {
+            throw fatal(start.getStartMark(), "nested deeper than " + MAX_DEPTH + " levels");
+        }
+        boolean mapping = start instanceof MappingStartEvent;
+        open.addLast(place(start, mapping ? new LinkedHashMap<String, Node>()
+                : new ArrayList<Node>()));
+    }
+
+    private void takeScalar(ScalarEvent scalar) throws WorldFileException {
+        String text = scalar.getValue();
+        if (text.length() > MAX_TEXT_LENGTH) {
+            throw fatal(scalar.getStartMark(), "a text of " + text.length()
+                    + " characters; at most " + MAX_TEXT_LENGTH + " are allowed");
+        }
+        if (awaitsKey()) {
+            Mark mark = scalar.getStartMark().orElseThrow();
+            open.getLast().get(text).ifPresent(first -> problems.add(mark.getLine() + 1,
+                    mark.getColumn() + 1, first.pointer(), "duplicate key `" + Node.shorten(text)
+                            + "`, first on line " + first.keyLine()));
+            waiting = new Node.Slot(open.getLast(), text, mark.getLine() + 1,
+                    mark.getColumn() + 1);
+        } else {
+            place(scalar, scalar.isPlain() ? resolve(scalar) : text);
+        }
+    }
+
+    /** A plain scalar by YAML's core schema: a number, a truth value, nothing, or else text. */
+    private @Nullable Object resolve(ScalarEvent scalar) {
+        String text = scalar.getValue();
+        Tag tag = resolver.resolve(text, true);
+        if (tag.equals(Tag.NULL)) {
+            return null;
+        }
+        if (tag.equals(Tag.BOOL)) {
+            return text.equalsIgnoreCase("true");
+        }
+        if (tag.equals(Tag.INT)) {
+            return integer(text);
+        }
+        return tag.equals(Tag.FLOAT) ? real(scalar) : text;
+    }
+
+    private static Object integer(String text) {
+        try {
+            if (text.startsWith("0x")) {
+                return Long.parseLong(text.substring(2), 16);
+            }
+            if (text.startsWith("0o")) {
+                return Long.parseLong(text.substring(2), 8);
+            }
+            return Long.parseLong(text);
+        } catch (NumberFormatException beyond64Bit) {
+            return text.startsWith("0x") || text.startsWith("0o") ? text
+                    : (Object) Double.valueOf(text);
+        }
+    }
+
+    private Object real(ScalarEvent scalar) {
+        String text = scalar.getValue();
+        boolean digits = text.chars().anyMatch(Character::isDigit);
+        double value = digits ? Double.parseDouble(text) : Double.NaN;
+        if (Double.isFinite(value)) {
+            return value;
+        }
+        Mark mark = scalar.getStartMark().orElseThrow();
+        problems.add(mark.getLine() + 1, mark.getColumn() + 1, pointerOfNext(), subjectOfNext()
+                + (digits ? "`" + Node.shorten(text) + "` is too large for a 64-bit number"
+                        : "`" + text + "` is not a finite number"));
+        return 1.0; // stands in, so that the rest of the file is still checked
+    }
+
+    private String subjectOfNext() {
+        return waiting == null ? "" : waiting.key() + ": ";
+    }
+
+    private String pointerOfNext() {
+        if (waiting != null) {
+            return waiting.parent().pointer() + "/" + waiting.key();
+        }
+        return open.isEmpty() ? "" : open.getLast().pointer() + "/"
+                + open.getLast().children().size();
+    }
+
+    private boolean awaitsKey() {
+        return waiting == null && !open.isEmpty() && open.getLast().isMapping();
+    }
+
+    private Node place(Event event, @Nullable Object value) throws WorldFileException {
+        Mark mark = event.getStartMark().orElseThrow();
+        int line = mark.getLine() + 1;
+        int column = mark.getColumn() + 1;
+        if (++values > MAX_VALUES) {
+            throw problems.fatal(line, column, "more than " + MAX_VALUES + " values in one file");
+        }
+        Node node;
+        if (open.isEmpty()) {
+            node = Node.root(line, column, value);
+            root = node;
+        } else {
+            Node parent = open.getLast();
+            Node.Slot slot = waiting != null ? waiting
+                    : new Node.Slot(parent, parent.children().size(), line, column);
+            waiting = null;
+            node = slot.fill(line, column, value);
+        }
+        return node;
+    }
+
+    private Node requireRoot() throws WorldFileException {
+        if (root == null || root.isNothing()) {
+            throw problems.fatal(1, 1, "the file is empty; a world begins with `reve: 1` and a "
+                    + "`name`");
+        }
+        if (!root.isMapping()) {
+            throw problems.fatal(root.line(), root.column(), "found " + root.describe()
+                    + ", expected a mapping that begins with `reve: 1` and a `name`");
+        }
+        return root;
+    }
+
+    private WorldFileException fatal(Optional<Mark> mark, String message) {
+        return problems.fatal(mark.map(Mark::getLine).orElse(0) + 1,
+                mark.map(Mark::getColumn).orElse(0) + 1, message);
+    }
+
+    /** The parser's two half sentences as one, without its picture of the line. */
+    private static String sentence(MarkedYamlEngineException syntax) {
+        String context = syntax.getContext();
+        String problem = syntax.getProblem();
+        return "not valid YAML: " + (context == null ? problem : context + ", " + problem);
+    }
+
+    private static WorldFileException fatalAt(String text, ReaderException unprintable,
+            Problems problems) {
+        int position = text.indexOf(unprintable.getCodePoint());
+        String before = text.substring(0, Math.max(position, 0));
+        int line = 1 + (int) before.chars().filter(c -> c == '\n').count();
+        return problems.fatal(line, before.length() - before.lastIndexOf('\n'), String.format(
+                "the character U+%04X is not allowed in a world file", unprintable.getCodePoint()));
+    }
+}
