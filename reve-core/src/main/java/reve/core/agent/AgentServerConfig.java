@@ -1,0 +1,67 @@
+package reve.core.agent;
+
+import java.net.InetAddress;
+import java.net.InetSocketAddress;
+import java.time.Duration;
+
+/**
+ * Where the server listens and what it takes from a client. The limits are those that PROTOCOL.md promises; tests
+ * set smaller ones.
+ *
+ * @param address a loopback address; port 0 takes any free one
+ * @param maxConnections open connections, whether welcomed or not
+ * @param helloBytes most bytes before the hello is complete
+ * @param hello longest wait for the hello
+ * @param lineBytes longest line from a client
+ * @param line longest time from a line's first byte to its last
+ * @param idle silence after which a client is pinged, and after as much again cut off
+ * @param write longest time that one write may take
+ * @param linger how long a finished connection may take to go
+ * @param actsInFlight most acts of one agent that wait for their result
+ * @param outboxMessages most messages of one agent that wait to be written
+ * @param outboxBytes and most bytes of them
+ * @param maxErrors refused lines after which a connection ends
+ */
+public record AgentServerConfig(InetSocketAddress address, int maxConnections, int helloBytes, Duration hello,
+        int lineBytes, Duration line, Duration idle, Duration write, Duration linger, int actsInFlight,
+        int outboxMessages, int outboxBytes, int maxErrors) {
+
+    /** @throws IllegalArgumentException if the address is not loopback, or a limit is not positive */
+    public AgentServerConfig {
+        if (address.isUnresolved() || !address.getAddress().isLoopbackAddress()) {
+            throw new IllegalArgumentException("agents cannot be served on " + address.getHostString()
+                    + ": this version has neither TLS nor tokens, so it listens on a loopback address only "
+                    + "(127.0.0.1 or ::1)");
+        }
+        requirePositive("maxConnections", maxConnections);
+        requirePositive("helloBytes", helloBytes);
+        requirePositive("hello", hello.toMillis());
+        requirePositive("lineBytes", lineBytes);
+        requirePositive("line", line.toMillis());
+        requirePositive("idle", idle.toMillis());
+        requirePositive("write", write.toMillis());
+        requirePositive("linger", linger.toMillis());
+        requirePositive("actsInFlight", actsInFlight);
+        requirePositive("outboxMessages", outboxMessages);
+        requirePositive("outboxBytes", outboxBytes);
+        requirePositive("maxErrors", maxErrors);
+    }
+
+    /** The protocol's limits on 127.0.0.1. */
+    public static AgentServerConfig onPort(int port) {
+        return on(new InetSocketAddress(InetAddress.ofLiteral("127.0.0.1"), port));
+    }
+
+    /** The protocol's limits on a loopback address. */
+    public static AgentServerConfig on(InetSocketAddress address) {
+        return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 1024 * 1024,
+                Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(1), 64,
+                1024, 1024 * 1024, 8);
+    }
+
+    private static void requirePositive(String name, long value) {
+        if (value <= 0) {
+            throw new IllegalArgumentException("limit " + name + " is " + value + ", expected more than 0");
+        }
+    }
+}

@@ -1,0 +1,209 @@
+package reve.core.agent;
+
+import static reve.core.agent.ClientMessage.NO_ID;
+
+import java.nio.ByteBuffer;
+import java.nio.charset.CharacterCodingException;
+import java.nio.charset.StandardCharsets;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+
+/** Reads what a client says from one line. Any thread. */
+final class MessageReader {
+
+    static final int MAX_EVERY = 1_000_000;
+
+    private static final long MAX_ID = (1L << 53) - 1;
+    private static final int MAX_REASON = 200;
+    private static final String EXAMPLE = "send one JSON object per line, such as "
+            + "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}";
+
+    private MessageReader() {}
+
+    /** @throws BadMessage saying what is wrong, with the id of the message where it has a good one */
+    static ClientMessage read(ByteBuffer line) throws BadMessage {
+        JsonNode message = parse(decode(line));
+        if (!message.isObject()) {
+            throw new BadMessage(NO_ID, "not-an-object", "the line is JSON, but no object", EXAMPLE);
+        }
+        return read(message);
+    }
+
+    private static String decode(ByteBuffer line) throws BadMessage {
+        try {
+            return StandardCharsets.UTF_8.newDecoder().decode(line).toString();
+        } catch (CharacterCodingException e) {
+            throw new BadMessage(NO_ID, "bad-utf8", "the line is not UTF-8", EXAMPLE);
+        }
+    }
+
+    private static JsonNode parse(String line) throws BadMessage {
+        try {
+            JsonNode node = Json.MAPPER.readTree(line);
+            if (node.isMissingNode()) {
+                throw badJson("the line is empty");
+            }
+            requireSound(node);
+            return node;
+        } catch (JacksonException e) {
+            String reason = e.getOriginalMessage();
+            throw badJson("the line is not JSON: "
+                    + (reason.length() > MAX_REASON ? reason.substring(0, MAX_REASON) + "…" : reason));
+        }
+    }
+
+    /** Refuses what JSON's grammar allows but no text or number can hold. */
+    private static void requireSound(JsonNode node) throws BadMessage {
+        if (node.isString()) {
+            requireSound(node.stringValue());
+        } else if (node.isNumber() && !Double.isFinite(node.asDouble(Double.NaN))) {
+            throw badJson("a number is beyond the range of 64-bit floats");
+        }
+        for (Map.Entry<String, JsonNode> property : node.properties()) {
+            requireSound(property.getKey());
+        }
+        for (JsonNode child : node.values()) {
+            requireSound(child);
+        }
+    }
+
+    private static void requireSound(String text) throws BadMessage {
+        if (!StandardCharsets.UTF_8.newEncoder().canEncode(text)) {
+            throw badJson("a text contains half of a surrogate pair");
+        }
+    }
+
+    private static BadMessage badJson(String message) {
+        return new BadMessage(NO_ID, "bad-json", message, EXAMPLE);
+    }
+
+    private static ClientMessage read(JsonNode message) throws BadMessage {
+        var fields = new Fields(message);
+        JsonNode type = message.get("t");
+        if (type == null || !type.isString()) {
+            throw new BadMessage(fields.id, "no-type", "the field t must say which message this is", EXAMPLE);
+        }
+        return switch (type.stringValue()) {
+            case "hello" -> new ClientMessage.Hello(fields.id, (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
+                    fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"));
+            case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
+                    ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE);
+            case "act" -> new ClientMessage.Act(fields.integer("id", 0, MAX_ID), fields.text("item"),
+                    fields.text("action"), fields.arguments());
+            case "ping" -> new ClientMessage.Ping(fields.id);
+            case "pong" -> new ClientMessage.Pong(fields.id);
+            case "bye" -> new ClientMessage.Bye(fields.id);
+            default -> throw new BadMessage(fields.id, "unknown-type",
+                    "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
+                    "a client sends hello, perceive, act, ping, pong or bye");
+        };
+    }
+
+    /** The fields of one message; a field that is null counts as absent. */
+    private static final class Fields {
+
+        private final JsonNode message;
+        private final long id;
+
+        Fields(JsonNode message) throws BadMessage {
+            this.message = message;
+            this.id = find("id") == null ? NO_ID : integer(NO_ID, "id", 0, MAX_ID);
+        }
+
+        boolean has(String name) {
+            return find(name) != null;
+        }
+
+        long integer(String name, long min, long max) throws BadMessage {
+            return integer(id, name, min, max);
+        }
+
+        String text(String name) throws BadMessage {
+            return optionalText(name).orElseThrow(() -> bad(id, name, "is missing", "expected a text"));
+        }
+
+        Optional<String> optionalText(String name) throws BadMessage {
+            JsonNode field = find(name);
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isString() || field.stringValue().isEmpty()) {
+                throw bad(id, name, "is " + show(field), "expected a text");
+            }
+            return Optional.of(field.stringValue());
+        }
+
+        Map<String, Object> arguments() throws BadMessage {
+            JsonNode field = find("arguments");
+            if (field == null) {
+                return Map.of();
+            }
+            if (!field.isObject()) {
+                throw bad(id, "arguments", "is " + show(field), "expected an object of values by parameter name");
+            }
+            var arguments = new LinkedHashMap<String, Object>();
+            for (Map.Entry<String, JsonNode> argument : field.properties()) {
+                arguments.put(argument.getKey(), argument(argument.getKey(), argument.getValue()));
+            }
+            return arguments;
+        }
+
+        private Object argument(String name, JsonNode value) throws BadMessage {
+            if (value.isString()) {
+                return value.stringValue();
+            }
+            if (value.isBoolean()) {
+                return value.booleanValue();
+            }
+            return value.isArray() ? numbers(name, value) : number(name, value);
+        }
+
+        private List<Double> numbers(String name, JsonNode value) throws BadMessage {
+            var numbers = new ArrayList<Double>(value.size());
+            for (JsonNode element : value.values()) {
+                numbers.add(number(name, element));
+            }
+            return numbers;
+        }
+
+        private Double number(String name, JsonNode value) throws BadMessage {
+            if (!value.isNumber()) {
+                throw bad(id, "arguments", "holds " + show(value) + " for " + Text.quote(name),
+                        "expected a number, a list of numbers, a text, or true or false");
+            }
+            return value.asDouble();
+        }
+
+        private long integer(long answerTo, String name, long min, long max) throws BadMessage {
+            JsonNode field = find(name);
+            String expected = "expected an integer from " + min + " to " + max;
+            if (field == null) {
+                throw bad(answerTo, name, "is missing", expected);
+            }
+            double value = field.isNumber() ? field.asDouble() : Double.NaN;
+            if (!(value >= min && value <= max && value == Math.rint(value))) {
+                throw bad(answerTo, name, "is " + show(field), expected);
+            }
+            return (long) value;
+        }
+
+        private @Nullable JsonNode find(String name) {
+            JsonNode field = message.get(name);
+            return field == null || field.isNull() ? null : field;
+        }
+
+        private static BadMessage bad(long answerTo, String name, String found, String expected) {
+            return new BadMessage(answerTo, "bad-field", "the field " + name + " " + found, expected);
+        }
+
+        private static String show(JsonNode field) {
+            return Text.quote(field.toString());
+        }
+    }
+}

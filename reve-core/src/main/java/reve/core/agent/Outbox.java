@@ -1,0 +1,103 @@
+package reve.core.agent;
+
+import java.util.ArrayDeque;
+import java.util.Deque;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * What waits to be written to one client. Messages keep their order and are bounded; of perceptions only the
+ * newest waits. Filled from any thread, emptied by the connection's writer.
+ */
+final class Outbox {
+
+    private static final byte[] NOTHING = {};
+
+    /** One line in two parts, so that everybody shares the long one. */
+    record Line(byte[] head, byte[] tail) {}
+
+    private final int maxMessages;
+    private final int maxBytes;
+    private final Deque<byte[]> messages = new ArrayDeque<>();
+    private int bytes;
+    private @Nullable Line answer;
+    private @Nullable Line latest;
+    private boolean finished;
+
+    Outbox(int maxMessages, int maxBytes) {
+        this.maxMessages = maxMessages;
+        this.maxBytes = maxBytes;
+    }
+
+    /** Adds a message. @return false if the client has let too many pile up */
+    synchronized boolean offer(byte[] line) {
+        if (finished) {
+            return true;
+        }
+        if (messages.size() >= maxMessages || bytes + line.length > maxBytes) {
+            return false;
+        }
+        add(line);
+        return true;
+    }
+
+    /** Adds the perception that was asked for once; the one before has been written. */
+    synchronized void offerAnswer(Line perception) {
+        if (!finished) {
+            answer = perception;
+            notifyAll();
+        }
+    }
+
+    /** Puts the newest perception in the place of one that nobody has read. */
+    synchronized void offerLatest(Line perception) {
+        if (!finished) {
+            latest = perception;
+            notifyAll();
+        }
+    }
+
+    synchronized boolean hasAnswer() {
+        return answer != null;
+    }
+
+    /** Takes nothing more; what waits is written, then this line, then the writer ends. */
+    synchronized void finish(byte[] lastLine) {
+        if (!finished) {
+            finished = true;
+            latest = null;
+            add(lastLine);
+        }
+    }
+
+    /** Waits for the next line to write; null when all is written and nothing more will come. */
+    synchronized @Nullable Line take() throws InterruptedException {
+        while (isEmpty()) {
+            if (finished) {
+                return null;
+            }
+            wait();
+        }
+        Line line = latest;
+        if (answer != null && (finished || messages.isEmpty())) {
+            line = answer;
+            answer = null;
+        } else if (!messages.isEmpty()) {
+            byte[] message = messages.removeFirst();
+            bytes -= message.length;
+            line = new Line(message, NOTHING);
+        } else {
+            latest = null;
+        }
+        return line;
+    }
+
+    synchronized boolean isEmpty() {
+        return messages.isEmpty() && answer == null && latest == null;
+    }
+
+    private void add(byte[] line) {
+        messages.addLast(line);
+        bytes += line.length;
+        notifyAll();
+    }
+}

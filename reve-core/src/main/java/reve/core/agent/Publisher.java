@@ -1,0 +1,171 @@
+package reve.core.agent;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
+import java.util.concurrent.atomic.AtomicInteger;
+import java.util.concurrent.atomic.AtomicReference;
+import java.util.concurrent.locks.LockSupport;
+import org.jspecify.annotations.Nullable;
+import reve.core.frame.FrameEvent;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldSnapshot;
+
+/**
+ * Tells agents what the frames brought: results, events, perceptions. The world's thread only leaves word here,
+ * without a lock; a thread of the publisher's own does the work for all agents.
+ */
+final class Publisher {
+
+    /** Frames with events that may wait to be told; at 60 frames a second a quarter of a minute. */
+    private static final int MAX_EVENT_FRAMES = 1024;
+
+    private final WorldPort port;
+    private final Counters counters;
+    private final RateLimitedLog log;
+    private final Runnable afterFrame;
+    private final PerceptionEncoder encoder = new PerceptionEncoder();
+    private final AtomicReference<@Nullable AgentCommand> completed = new AtomicReference<>();
+    private final Queue<List<WorldEvent>> events = new ConcurrentLinkedQueue<>();
+    private final AtomicInteger eventFrames = new AtomicInteger();
+    private final AtomicInteger lostEventFrames = new AtomicInteger();
+    private final List<Session> members = new ArrayList<>();
+    private final Thread thread;
+    private volatile long published;
+    private volatile boolean stopped;
+    private long served;
+
+    /** @param afterFrame what else is to be done when a frame has passed, on the publisher's thread */
+    Publisher(WorldPort port, Counters counters, RateLimitedLog log, Runnable afterFrame) {
+        this.port = port;
+        this.counters = counters;
+        this.log = log;
+        this.afterFrame = afterFrame;
+        this.thread = Thread.ofPlatform().name("agent publisher").daemon().unstarted(this::run);
+    }
+
+    void start() {
+        thread.start();
+    }
+
+    void stop() {
+        stopped = true;
+        LockSupport.unpark(thread);
+    }
+
+    // ---- world's thread ----
+
+    /** A command was executed in ACT. */
+    void completed(AgentCommand command) {
+        AgentCommand previous;
+        do {
+            previous = completed.get();
+            command.previous = previous;
+        } while (!completed.compareAndSet(previous, command));
+    }
+
+    /** Listens to PUBLISH. */
+    void onFrame(FrameEvent event) {
+        List<WorldEvent> happened = event.world().events();
+        if (!happened.isEmpty()) {
+            if (eventFrames.incrementAndGet() <= MAX_EVENT_FRAMES) {
+                events.add(happened);
+            } else {
+                eventFrames.decrementAndGet();
+                lostEventFrames.incrementAndGet();
+            }
+        }
+        published = event.frame();
+        LockSupport.unpark(thread);
+    }
+
+    // ---- any thread ----
+
+    /** The last frame that was published. */
+    long published() {
+        return published;
+    }
+
+    // ---- publisher's thread ----
+
+    /** From now on the session is told what happens. */
+    void admit(Session session) {
+        members.add(session);
+    }
+
+    private void run() {
+        while (!stopped) {
+            try {
+                publish();
+            } catch (RuntimeException e) {
+                log.error("telling agents about frame " + published + " failed", e);
+            }
+            LockSupport.park(this);
+        }
+    }
+
+    private void publish() {
+        members.removeIf(Session::hasEnded);
+        // Events are taken before commands, so that who joined in a frame is there to hear its events.
+        List<WorldEvent> news = takeEvents();
+        reportCompleted();
+        news.forEach(this::tell);
+        servePerceptions();
+        afterFrame.run();
+    }
+
+    private List<WorldEvent> takeEvents() {
+        int lost = lostEventFrames.getAndSet(0);
+        if (lost > 0) {
+            log.warn("agents will never hear the events of " + lost + " frames: too many were waiting");
+        }
+        var news = new ArrayList<WorldEvent>();
+        for (List<WorldEvent> frame = events.poll(); frame != null; frame = events.poll()) {
+            eventFrames.decrementAndGet();
+            news.addAll(frame);
+        }
+        return news;
+    }
+
+    private void reportCompleted() {
+        var reports = new ArrayList<AgentCommand>();
+        for (AgentCommand c = completed.getAndSet(null); c != null; c = c.previous) {
+            reports.add(c);
+        }
+        reports.reversed().forEach(AgentCommand::report);
+    }
+
+    private void tell(WorldEvent event) {
+        byte[] line = new ServerMessage.Event(event.frame(), event.type(), event.fields()).line();
+        for (Session member : members) {
+            if (event.frame() >= member.joinedInFrame()) {
+                member.send(line);
+            }
+        }
+    }
+
+    private void servePerceptions() {
+        if (published == served) {
+            return;
+        }
+        Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
+        if (latest.isEmpty()) {
+            return;
+        }
+        try (WorldSnapshot snapshot = latest.get()) {
+            long frame = snapshot.frame();
+            if (members.stream().anyMatch(member -> member.perceptions().isDue(frame))) {
+                Optional<byte[]> body = encoder.encode(snapshot);
+                if (body.isEmpty()) {
+                    return; // overwritten while we read: the next frame is here already
+                }
+                for (Session member : members) {
+                    counters.perceptions.add(member.perceptions().serve(frame, body.get()));
+                }
+            }
+            served = frame;
+        }
+    }
+}

@@ -1,0 +1,36 @@
+package reve.core.agent;
+
+/** Makes foreign text safe to show in messages and logs. */
+final class Text {
+
+    private static final int SHOWN = 64;
+
+    private Text() {}
+
+    /** In quotes, at most 64 characters of it, everything that is not plainly visible escaped. */
+    static String quote(String text) {
+        var out = new StringBuilder(text.length() + 2).append('"');
+        text.codePoints().limit(SHOWN).forEach(c -> append(out, c));
+        return out.append(text.codePointCount(0, text.length()) > SHOWN ? "…\"" : "\"").toString();
+    }
+
+    private static void append(StringBuilder out, int c) {
+        if (c == '"' || c == '\\') {
+            out.append('\\').append((char) c);
+        } else if (isVisible(c)) {
+            out.appendCodePoint(c);
+        } else {
+            out.append("\\u{").append(Integer.toHexString(c)).append('}');
+        }
+    }
+
+    /** Control characters could forge log lines; format characters reorder or hide text. */
+    private static boolean isVisible(int c) {
+        return c == ' ' || switch (Character.getType(c)) {
+            case Character.CONTROL, Character.FORMAT, Character.SURROGATE, Character.PRIVATE_USE,
+                    Character.UNASSIGNED, Character.LINE_SEPARATOR, Character.PARAGRAPH_SEPARATOR,
+                    Character.SPACE_SEPARATOR -> false;
+            default -> true;
+        };
+    }
+}
