@@ -1,0 +1,120 @@
+#include "draw_list.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+namespace vesper::render {
+
+namespace {
+
+/// Radius of a ball around the origin that holds the mesh.
+float Reach(const Mesh& mesh) {
+  float reach = 0;
+  for (const Vector3f& position : mesh.positions) reach = std::max(reach, position.norm());
+  return reach;
+}
+
+float Radius(Shape shape, const Vector3f& size, float mesh_reach) {
+  switch (shape) {
+    case Shape::kSphere: return size.maxCoeff() / 2;
+    case Shape::kBox: return size.norm() / 2;
+    case Shape::kPlane: return std::hypot(size.x(), size.z()) / 2;
+    case Shape::kMesh: return size.maxCoeff() * mesh_reach;
+  }
+  return 0;
+}
+
+/// The coarsest sphere whose outline stays within a quarter of a pixel of the true circle.
+uint32_t SphereLevel(float radius_pixels) {
+  // Radius [px] up to which each level will do: the edges' sagitta shrinks fourfold per level.
+  float reach = 6;
+  int level = kCoarsestSphere;
+  for (; level < kFinestSphere && radius_pixels > reach; ++level) reach *= 4;
+  return static_cast<uint32_t>(level);
+}
+
+InstanceRecord ToRecord(const Instance& instance, Shape shape, const Vector3f& origin) {
+  // No side is quite 0: the shader divides by the sides to turn normals.
+  Vector3f size = instance.size.cwiseMax(1e-6F * instance.size.maxCoeff());
+  if (shape == Shape::kPlane) size.y() = size.maxCoeff();
+  const Eigen::Matrix3f turn = instance.orientation.normalized().toRotationMatrix();
+  const Vector3f position = instance.position - origin;
+  InstanceRecord record;
+  for (int row = 0; row < 3; ++row) {
+    for (int column = 0; column < 3; ++column) {
+      record.model[row * 4 + column] = turn(row, column) * size[column];
+    }
+    record.model[row * 4 + 3] = position[row];
+  }
+  record.colour = ToLinear(instance.colour);
+  record.flags = instance.flags;
+  return record;
+}
+
+}  // namespace
+
+float ToLinear(uint8_t srgb) {
+  static const auto table = [] {
+    std::array<float, 256> values;
+    for (size_t i = 0; i < values.size(); ++i) {
+      const double s = static_cast<double>(i) / 255;
+      values[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    }
+    return values;
+  }();
+  return table[srgb];
+}
+
+std::array<float, 3> ToLinear(const Colour& colour) {
+  return {ToLinear(colour[0]), ToLinear(colour[1]), ToLinear(colour[2])};
+}
+
+Extent Measure(const Scene& scene) {
+  Extent extent;
+  for (const InstanceBatch& batch : scene.batches) {
+    const float reach = batch.shape == Shape::kMesh ? Reach(scene.meshes.at(batch.mesh)) : 0;
+    for (const Instance& instance : batch.instances) {
+      const Ball ball{instance.position - scene.camera.target,
+                      Radius(batch.shape, instance.size, reach)};
+      if (instance.flags & kFade) continue;
+      if (batch.shape == Shape::kPlane) {
+        extent.planes.push_back(ball);
+        continue;
+      }
+      extent.items.push_back(ball);
+      if (!(instance.flags & kUnlit)) extent.casters.push_back(ball);
+    }
+  }
+  for (const Segment& segment : scene.segments) {
+    extent.items.push_back({segment.from - scene.camera.target, 0});
+    extent.items.push_back({segment.to - scene.camera.target, 0});
+  }
+  return extent;
+}
+
+void Sort(const Scene& scene, const View& view, DrawList& list) {
+  for (auto& [key, records] : list) records.clear();
+  for (const InstanceBatch& batch : scene.batches) {
+    const MeshKey key{batch.shape, batch.shape == Shape::kMesh ? batch.mesh : 0};
+    std::array<std::vector<InstanceRecord>*, kFinestSphere + 1> spheres{};
+    std::vector<InstanceRecord>* const others =
+        batch.shape == Shape::kSphere ? nullptr : &list[key];
+    for (const Instance& instance : batch.instances) {
+      if (!(instance.size.maxCoeff() > 0)) continue;
+      const InstanceRecord record = ToRecord(instance, batch.shape, view.origin());
+      if (others != nullptr) {
+        others->push_back(record);
+        continue;
+      }
+      const float radius = instance.size.maxCoeff() / 2;
+      const float depth = view.Depth(instance.position - view.origin()) - radius;
+      const uint32_t level = SphereLevel(radius * view.PixelsPerMetre(depth));
+      if (spheres[level] == nullptr) spheres[level] = &list[{Shape::kSphere, level}];
+      spheres[level]->push_back(record);
+    }
+  }
+  std::erase_if(list, [](const auto& entry) { return entry.second.empty(); });
+}
+
+}  // namespace vesper::render

@@ -1,0 +1,45 @@
+// The instances of a picture, sorted by the mesh that shows them and ready for the graphics memory.
+#pragma once
+
+#include <array>
+#include <compare>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+#include "scene.hpp"
+#include "view.hpp"
+
+namespace vesper::render {
+
+/// One instance as the vertex shader reads it.
+struct InstanceRecord {
+  std::array<float, 12> model;  ///< 3 x 4, by rows: unit shape to the camera's target frame
+  std::array<float, 3> colour;  ///< linear
+  uint32_t flags;               ///< ItemFlags
+};
+static_assert(sizeof(InstanceRecord) == 64);
+
+inline constexpr int kCoarsestSphere = 1, kFinestSphere = 5;
+
+/// What draws an instance: `detail` is the level of a sphere or the id of a mesh, else 0.
+struct MeshKey {
+  Shape shape;
+  uint32_t detail;
+  auto operator<=>(const MeshKey&) const = default;
+};
+
+using DrawList = std::map<MeshKey, std::vector<InstanceRecord>>;
+
+/// Balls around everything that the scene shows.
+Extent Measure(const Scene& scene);
+
+/// Refills `list`, keeping its memory. Spheres get as many triangles as their size in pixels asks
+/// for; what has no size at all is left out.
+void Sort(const Scene& scene, const View& view, DrawList& list);
+
+/// Linear value of an sRGB byte, 0 to 1.
+float ToLinear(uint8_t srgb);
+std::array<float, 3> ToLinear(const Colour& colour);
+
+}  // namespace vesper::render

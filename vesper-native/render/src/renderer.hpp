@@ -1,0 +1,97 @@
+// Draws scenes into pixels.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "draw_list.hpp"
+#include "gl.hpp"
+#include "osmesa.hpp"
+#include "png.hpp"
+#include "scene.hpp"
+#include "shapes.hpp"
+#include "view.hpp"
+
+namespace vesper::render {
+
+/// What the graphics library says of itself.
+struct GraphicsInfo {
+  std::string vendor, renderer, version;
+  int max_samples, max_side;  ///< per pixel; [px]
+};
+
+/// Belongs to the thread that made it: a GL context is current on one thread.
+class Renderer {
+ public:
+  /// `max_samples`: upper limit for what images ask for. Throws GraphicsError.
+  explicit Renderer(uint32_t max_samples);
+
+  GraphicsInfo Info() const;
+
+  /// Draws a scene that the decoder accepted. Equal scenes give equal bytes. The pixels are valid
+  /// until the next call. Throws GraphicsError; the renderer stays usable.
+  const Pixels& Render(const Scene& scene);
+
+ private:
+  /// Colour and depth of one size; with samples, a second buffer that they are averaged into.
+  struct Target {
+    uint32_t width, height, samples;
+    GlObject colour, depth, framebuffer, averaged, averaged_framebuffer;
+  };
+  struct ShadowMap {
+    GlObject depth, framebuffer;
+  };
+  /// A mesh in graphics memory. Its attributes are bound with each draw's instances.
+  struct GpuMesh {
+    GlObject vertices, indices;
+    GLsizei index_count = 0;
+    uint64_t revision = 0;
+    bool closed = false;  ///< back sides are never seen
+  };
+  /// Where a draw's instances begin in the instance buffer.
+  struct Draw {
+    MeshKey key;
+    const GpuMesh* mesh;
+    size_t first;
+    GLsizei count;
+  };
+
+  void PrepareTarget(const Image& image);
+  GlObject MakeStorage(const Target& target, uint32_t samples, GLenum format) const;
+  void Attach(const GlObject& framebuffer, const GlObject& colour, const GlObject* depth) const;
+  void PrepareShadowMap();
+  void PrepareMeshes(const Scene& scene);
+  GpuMesh Upload(const TriangleMesh& mesh, bool closed) const;
+  void UploadInstances();
+  void DrawShadowMap(const Eigen::Matrix4f& matrix);
+  void DrawBackground(const Scene& scene);
+  void DrawSurfaces(const Scene& scene, const View& view, const Eigen::Matrix4f* shadow);
+  void SetSurfaceUniforms(const Program& program, const Scene& scene, const View& view,
+                          const Eigen::Matrix4f* shadow) const;
+  void DrawInstances(const Draw& draw) const;
+  void DrawLines(const Scene& scene, const View& view);
+  void SetBackground(const Program& program, const Scene& scene) const;
+  void ReadPixels();
+  const Program& Surface(bool plane, bool shadows);
+
+  OsMesaContext context_;
+  Gl gl_;
+  uint32_t max_samples_;
+  GlObject vertex_array_, instance_buffer_, line_buffer_, line_indices_;
+  Program background_, shadow_program_, line_program_;
+  std::map<std::pair<bool, bool>, Program> surfaces_;  ///< by plane, shadows; made when needed
+  std::map<MeshKey, GpuMesh> meshes_;
+  std::optional<Target> target_;
+  std::optional<ShadowMap> shadow_map_;
+  DrawList list_;
+  std::vector<Draw> draws_;
+  std::vector<LineVertex> line_vertices_;
+  size_t line_capacity_ = 0;  ///< lines that line_indices_ has indices for
+  Pixels pixels_;
+};
+
+}  // namespace vesper::render

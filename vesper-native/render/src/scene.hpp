@@ -1,0 +1,77 @@
+// What one picture shows, as decoded from the scene stream (SCENE.md) and checked: a renderer may
+// rely on every rule that is written there.
+#pragma once
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <map>
+#include <vector>
+
+namespace vesper::render {
+
+using Eigen::Vector3f;
+
+/// sRGB bytes r, g, b and an unused a.
+using Colour = std::array<uint8_t, 4>;
+
+enum class Shape : uint32_t { kSphere = 1, kBox = 2, kPlane = 3, kMesh = 4 };
+
+enum ItemFlags : uint32_t { kUnlit = 1, kGrid = 2, kFade = 4 };
+
+struct Image {
+  uint32_t width = 640, height = 480;  ///< [px]
+  uint32_t samples = 4;                ///< wished for, per pixel
+  bool shadows = true;
+};
+
+struct Camera {
+  bool orthographic = false;
+  Vector3f eye, target, up;  ///< [m], [m], any length
+  float extent = 0;          ///< vertical field of view [rad], or height of the view [m]
+};
+
+struct Environment {
+  Colour top{255, 255, 255, 255}, bottom{226, 230, 235, 255};
+  Vector3f to_light{-0.5F, 1, 0.4F};  ///< any length but 0
+  float light = 0.65F, ambient = 0.48F;
+};
+
+struct Mesh {
+  std::vector<Vector3f> positions;
+  std::vector<Vector3f> normals;  ///< as many as positions, or none: flat triangles
+  std::vector<uint32_t> indices;  ///< three per triangle
+  uint64_t revision = 0;          ///< differs between all meshes that ever had an id
+};
+
+struct Instance {
+  Vector3f position;               ///< [m]
+  Eigen::Quaternionf orientation;  ///< unit length to a percent
+  Vector3f size;                   ///< not negative
+  Colour colour;
+  uint32_t flags;  ///< ItemFlags
+};
+
+struct InstanceBatch {
+  Shape shape;
+  uint32_t mesh;  ///< id, for Shape::kMesh
+  std::vector<Instance> instances;
+};
+
+struct Segment {
+  Vector3f from, to;  ///< [m]
+  Colour colour;
+  float width;  ///< [px]
+};
+
+struct Scene {
+  Image image;
+  Camera camera;
+  Environment environment;
+  std::map<uint32_t, Mesh> meshes;
+  std::vector<InstanceBatch> batches;
+  std::vector<Segment> segments;
+};
+
+}  // namespace vesper::render

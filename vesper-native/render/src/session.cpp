@@ -1,0 +1,110 @@
+#include "session.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+
+namespace vesper::render {
+
+namespace {
+
+/// The payload buffer grows as bytes arrive: a length alone never costs memory.
+constexpr size_t kGrowth = 1 << 20;
+
+using Clock = std::chrono::steady_clock;
+
+uint32_t MicrosecondsSince(Clock::time_point start) {
+  const auto elapsed = std::chrono::duration_cast<std::chrono::microseconds>(Clock::now() - start);
+  return static_cast<uint32_t>(std::min<int64_t>(elapsed.count(), UINT32_MAX));
+}
+
+}  // namespace
+
+int Session::Run() {
+  try {
+    MessageHeader header;
+    while (ReadMessage(header)) {
+      Serve(decoder_.Decode(static_cast<MessageType>(header.type), payload_));
+    }
+    return kExitOk;
+  } catch (const MalformedStream& problem) {
+    std::fprintf(stderr, "vesper-render: malformed scene stream: %s\n", problem.what());
+    Answer(Status::kMalformed, 0, problem.what(), std::strlen(problem.what()));
+    return kExitMalformed;
+  }
+}
+
+bool Session::ReadMessage(MessageHeader& header) {
+  const size_t got = ReadFully(&header, sizeof header);
+  if (got == 0) return false;
+  if (got < sizeof header) throw MalformedStream("the input ends inside a message header");
+  decoder_.CheckHeader(header);
+  payload_.clear();
+  while (payload_.size() < header.length) {
+    const size_t have = payload_.size(), more = std::min(kGrowth, header.length - have);
+    payload_.resize(have + more);
+    if (ReadFully(payload_.data() + have, more) < more) {
+      throw MalformedStream("the input ends inside a message of " +
+                            std::to_string(header.length) + " bytes");
+    }
+  }
+  return true;
+}
+
+size_t Session::ReadFully(void* to, size_t bytes) {
+  size_t done = 0;
+  while (done < bytes) {
+    const ssize_t got = read(input_, static_cast<char*>(to) + done, bytes - done);
+    if (got == 0) break;
+    if (got > 0) done += static_cast<size_t>(got);
+    else if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "input");
+  }
+  return done;
+}
+
+void Session::Serve(const Request& request) {
+  if (request.kind == Request::Kind::kNothing) return;
+  if (request.kind == Request::Kind::kHello) return Answer(Status::kOk, 0, nullptr, 0);
+  const auto start = Clock::now();
+  const auto refuse = [&](Status status, const std::exception& problem) {
+    Answer(status, MicrosecondsSince(start), problem.what(), std::strlen(problem.what()));
+  };
+  try {
+    const Pixels& pixels = renderer_.Render(decoder_.scene());
+    decoder_.NextPicture();
+    EncodePng(pixels, png_);
+  } catch (const GraphicsError& problem) {
+    decoder_.NextPicture();
+    return refuse(Status::kGraphics, problem);
+  }
+  if (request.kind == Request::Kind::kPng) {
+    return Answer(Status::kOk, MicrosecondsSince(start), png_.data(), png_.size());
+  }
+  try {
+    WriteFileAtOnce(request.path, png_);
+  } catch (const std::runtime_error& problem) {
+    return refuse(Status::kOutput, problem);
+  }
+  Answer(Status::kOk, MicrosecondsSince(start), nullptr, 0);
+}
+
+void Session::Answer(Status status, uint32_t microseconds, const void* payload, size_t bytes) {
+  const AnswerHeader header{static_cast<uint32_t>(status), microseconds,
+                            static_cast<uint32_t>(bytes)};
+  const auto write_fully = [this](const void* from, size_t count) {
+    for (size_t done = 0; done < count;) {
+      const ssize_t put = write(output_, static_cast<const char*>(from) + done, count - done);
+      if (put >= 0) done += static_cast<size_t>(put);
+      else if (errno != EINTR) throw std::system_error(errno, std::generic_category(), "output");
+    }
+  };
+  write_fully(&header, sizeof header);
+  write_fully(payload, bytes);
+}
+
+}  // namespace vesper::render

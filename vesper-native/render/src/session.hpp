@@ -1,0 +1,38 @@
+// One conversation in the scene stream (SCENE.md) over two file descriptors.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "renderer.hpp"
+#include "scene_stream.hpp"
+
+namespace vesper::render {
+
+/// Exit codes of vesper-render.
+enum ExitCode { kExitOk = 0, kExitFailure = 1, kExitUsage = 2, kExitMalformed = 3, kExitGraphics = 4 };
+
+class Session {
+ public:
+  /// Borrows all three until Run has returned.
+  Session(Renderer& renderer, int input, int output)
+      : renderer_(renderer), input_(input), output_(output) {}
+
+  /// Serves until the input ends or cannot be trusted any more; returns the exit code.
+  int Run();
+
+ private:
+  /// False at the end of the input. Throws MalformedStream where it ends inside a message.
+  bool ReadMessage(MessageHeader& header);
+  /// Bytes read, less than asked for only at the end of the input.
+  size_t ReadFully(void* to, size_t bytes);
+  void Serve(const Request& request);
+  void Answer(Status status, uint32_t microseconds, const void* payload, size_t bytes);
+
+  Renderer& renderer_;
+  int input_, output_;
+  SceneDecoder decoder_;
+  std::vector<std::byte> payload_, png_;
+};
+
+}  // namespace vesper::render

@@ -1,0 +1,171 @@
+// GLSL sources. Linear colours in, sRGB encoding is left to
+// the framebuffer. Positions are relative to the camera's target.
+#pragma once
+
+#include <string>
+
+namespace vesper::render::shaders {
+
+/// The vertical background gradient, for the background itself and for what fades into it.
+inline const std::string kBackground = R"(
+uniform vec3 background_top, background_bottom;
+uniform float image_height;
+vec3 background() {
+  return mix(background_bottom, background_top, gl_FragCoord.y / image_height);
+}
+)";
+
+inline const std::string kBackgroundVertex = R"(
+void main() {  // one triangle that covers the picture
+  gl_Position = vec4(vec2(gl_VertexID & 1, gl_VertexID >> 1) * 4.0 - 1.0, 0.0, 1.0);
+}
+)";
+
+inline const std::string kBackgroundFragment = R"(
+out vec4 pixel;
+void main() { pixel = vec4(background(), 1.0); }
+)";
+
+/// Attributes of every instanced mesh, and where an instance puts them.
+inline const std::string kInstanceAttributes = R"(
+layout(location = 0) in vec3 position;
+layout(location = 1) in vec3 normal;
+layout(location = 2) in vec4 row_x;
+layout(location = 3) in vec4 row_y;
+layout(location = 4) in vec4 row_z;
+layout(location = 5) in vec3 colour;
+layout(location = 6) in uint flags;
+vec3 placed() {
+  vec4 p = vec4(position, 1.0);
+  return vec3(dot(row_x, p), dot(row_y, p), dot(row_z, p));
+}
+)";
+
+/// Defines in front choose the variant: PLANE (grid, fading, no gloss) and SHADOWS.
+inline const std::string kSurfaceVertex = R"(
+uniform mat4 clip;
+uniform vec3 origin;  // the target in the world, for the grid
+out vec3 at;
+out vec3 facing;
+flat out vec3 base;
+flat out uint item;
+#ifdef PLANE
+out vec2 grid_at;
+#endif
+void main() {
+  at = placed();
+  // Columns of the model are turned axes times sides; normals shrink with the square of a side.
+  vec3 x = vec3(row_x.x, row_y.x, row_z.x);
+  vec3 y = vec3(row_x.y, row_y.y, row_z.y);
+  vec3 z = vec3(row_x.z, row_y.z, row_z.z);
+  facing = normalize(x * (normal.x / dot(x, x)) + y * (normal.y / dot(y, y)) +
+                     z * (normal.z / dot(z, z)));
+#ifdef PLANE
+  grid_at = vec2(dot(at + origin, normalize(x)), dot(at + origin, normalize(z)));
+#endif
+  base = colour;
+  item = flags;
+  gl_Position = clip * vec4(at, 1.0);
+}
+)";
+
+inline const std::string kSurfaceFragment = R"(
+uniform vec4 eye;  // w = 0: a direction
+uniform vec3 to_light;
+uniform float light, ambient;
+in vec3 at;
+in vec3 facing;
+flat in vec3 base;
+flat in uint item;
+out vec4 pixel;
+
+#ifdef SHADOWS
+uniform sampler2DShadow shadow_map;
+uniform mat4 shadow_matrix;
+uniform float shadow_blur;    // between samples [texture coordinates]
+uniform float shadow_offset;  // [m], away from the surface, against self-shadowing
+float sunlit(vec3 n) {
+  vec3 s = (shadow_matrix * vec4(at + n * shadow_offset, 1.0)).xyz;
+  float sum = 0.0;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      sum += texture(shadow_map, vec3(s.xy + (vec2(i, j) - 1.5) * shadow_blur, s.z));
+  return sum / 16.0;
+}
+#else
+float sunlit(vec3 n) { return 1.0; }
+#endif
+
+#ifdef PLANE
+uniform float grid_spacing;  // [m], a power of ten
+uniform float fade_radius;   // [m]
+in vec2 grid_at;
+float lines(vec2 pixel_size, float spacing, float width) {
+  vec2 pixels = pixel_size / spacing;
+  vec2 off = abs(fract(grid_at / spacing - 0.5) - 0.5) / pixels;
+  vec2 cover = clamp(0.5 + 0.5 * width - off, 0.0, 1.0) * (1.0 - smoothstep(0.04, 0.2, pixels));
+  return max(cover.x, cover.y);
+}
+vec3 with_grid(vec3 colour) {
+  vec2 pixel_size = vec2(length(vec2(dFdx(grid_at.x), dFdy(grid_at.x))),
+                         length(vec2(dFdx(grid_at.y), dFdy(grid_at.y))));
+  float line = max(0.16 * lines(pixel_size, grid_spacing, 1.0),
+                   0.34 * lines(pixel_size, 10.0 * grid_spacing, 1.4));
+  float dark = step(dot(colour, vec3(0.2126, 0.7152, 0.0722)), 0.1);
+  return mix(colour, vec3(dark), line * (item & 2u) * 0.5);
+}
+#endif
+
+void main() {
+  vec3 n = normalize(facing);
+  vec3 to_eye = normalize(eye.xyz - at * eye.w);
+  if (dot(n, to_eye) < 0.0) n = -n;
+  vec3 colour = base;
+#ifdef PLANE
+  colour = with_grid(colour);
+#endif
+  float open = sunlit(n) * light;
+  float sun = max(dot(n, to_light), 0.0) * open;
+  vec3 sky = mix(vec3(0.5, 0.49, 0.48), vec3(1.0), 0.5 + 0.5 * n.y) * ambient;
+  vec3 lit = colour * (sky + sun);
+#ifndef PLANE
+  float gloss = pow(max(dot(n, normalize(to_light + to_eye)), 0.0), 48.0);
+  lit += 0.22 * gloss * open * smoothstep(0.0, 0.15, dot(n, to_light));
+#endif
+  vec3 shown = mix(lit, colour, float(item & 1u));
+#ifdef PLANE
+  float distance = length(at) / fade_radius;
+  shown = mix(shown, background(), smoothstep(1.0, 4.0, distance) * float(item >> 2u));
+#endif
+  pixel = vec4(shown, 1.0);
+}
+)";
+
+inline const std::string kShadowVertex = R"(
+uniform mat4 shadow_matrix;
+void main() {
+  vec3 s = (shadow_matrix * vec4(placed(), 1.0)).xyz * 2.0 - 1.0;
+  gl_Position = vec4(s, (flags & 1u) == 0u ? 1.0 : -1.0);  // unlit: behind the light
+}
+)";
+
+inline const std::string kShadowFragment = "void main() {}\n";
+
+inline const std::string kLineVertex = R"(
+layout(location = 0) in vec4 clip;
+layout(location = 1) in vec4 srgb;
+flat out vec3 colour;
+void main() {
+  colour = mix(pow((srgb.rgb + 0.055) / 1.055, vec3(2.4)), srgb.rgb / 12.92,
+               lessThanEqual(srgb.rgb, vec3(0.04045)));
+  gl_Position = clip;
+}
+)";
+
+inline const std::string kLineFragment = R"(
+flat in vec3 colour;
+out vec4 pixel;
+void main() { pixel = vec4(colour, 1.0); }
+)";
+
+}  // namespace vesper::render::shaders
