@@ -1,0 +1,81 @@
+package reve.worlds;
+
+import java.io.PrintWriter;
+import picocli.CommandLine;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.IVersionProvider;
+import picocli.CommandLine.ScopeType;
+import reve.pe.PhysicsException;
+import reve.worlds.cli.CheckCommand;
+import reve.worlds.cli.DemoCommand;
+import reve.worlds.cli.ExitCode;
+import reve.worlds.cli.RunCommand;
+import reve.worlds.cli.ServeCommand;
+import reve.worlds.cli.SnapshotCommand;
+
+/** The {@code ./reve} command line: parses arguments, picks a command, turns failures into exit codes. */
+@Command(
+        name = "./reve",
+        description = "Virtual worlds whose laws of nature can be dropped in, swapped and removed while they run.",
+        mixinStandardHelpOptions = true,
+        versionProvider = Main.Version.class,
+        scope = ScopeType.INHERIT,
+        subcommands = {
+            ServeCommand.class,
+            RunCommand.class,
+            SnapshotCommand.class,
+            CheckCommand.class,
+            DemoCommand.class,
+        },
+        footer = {
+            "",
+            "The launcher itself also knows:",
+            "  build      Builds what changed and stops.",
+            "  test       Builds, then runs every test of the project.",
+            "",
+            "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid world file,",
+            "4 a law or the native engine could not be loaded, 5 the port could not be bound.",
+        })
+public final class Main {
+    private Main() {}
+
+    public static void main(String[] arguments) {
+        System.exit(run(arguments));
+    }
+
+    /** Runs one command line and returns its exit code; for tests. */
+    public static int run(String... arguments) {
+        CommandLine line = new CommandLine(new Main());
+        line.setExecutionExceptionHandler(Main::explain);
+        if (arguments.length == 0) {
+            line.usage(System.err);
+            return ExitCode.USAGE;
+        }
+        return line.execute(arguments);
+    }
+
+    /** One message for people, no stack trace: what they can do about it stands in the message. */
+    private static int explain(Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
+        PrintWriter err = line.getErr();
+        int code = ExitCode.of(failure);
+        String message = failure.getMessage() == null ? failure.toString() : failure.getMessage();
+        err.println("reve: " + message);
+        if (code == ExitCode.FAILURE && !(failure instanceof PhysicsException)
+                && Boolean.getBoolean("reve.debug")) {
+            failure.printStackTrace(err);
+        }
+        err.flush();
+        return code;
+    }
+
+    /** Version of the product, the Java runtime it is on, and the operating system. */
+    static final class Version implements IVersionProvider {
+        @Override
+        public String[] getVersion() {
+            return new String[] {
+                "REVE x Vesper " + Product.VERSION,
+                "Java ${java.version}, ${os.name} ${os.arch}",
+            };
+        }
+    }
+}

@@ -1,0 +1,88 @@
+package reve.worlds.cli;
+
+import java.io.PrintWriter;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.concurrent.Callable;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.Spec;
+import reve.core.file.Problem;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFileException;
+import reve.core.frame.Pacing;
+import reve.pe.PhysicsException;
+import reve.worlds.server.Simulation;
+
+/** Reads a world file, builds the world, loads its laws, and runs nothing. */
+@Command(
+        name = "check",
+        description = "Checks a world file, and that its laws load and fit; runs nothing.")
+public final class CheckCommand implements Callable<Integer> {
+    @Spec
+    private CommandSpec spec = CommandSpec.create();
+
+    @Mixin
+    private WorldArgument world = new WorldArgument();
+
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws Exception {
+        List<Map<String, Object>> problems = new ArrayList<>();
+        int code = check(problems);
+        if (json) {
+            Map<String, Object> result = new LinkedHashMap<>();
+            result.put("world", world.file().toString());
+            result.put("valid", problems.isEmpty());
+            result.put("problems", problems);
+            Json.print(spec, result);
+        }
+        return code;
+    }
+
+    private int check(List<Map<String, Object>> problems) throws Exception {
+        PrintWriter out = spec.commandLine().getOut();
+        PrintWriter err = spec.commandLine().getErr();
+        WorldDescription description;
+        try {
+            description = world.load();
+        } catch (WorldFileException invalid) {
+            for (Problem problem : invalid.problems()) {
+                problems.add(fields(problem));
+                if (!json) {
+                    err.println(problem);
+                }
+            }
+            return ExitCode.INVALID_WORLD;
+        }
+        try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
+            if (!json) {
+                out.printf("%s: valid, %d items, %d laws%n", world.file(),
+                        description.items().size(), simulation.physics().engine().laws().size());
+            }
+            return ExitCode.OK;
+        } catch (PhysicsException refused) {
+            problems.add(Map.of("file", world.file().toString(), "message", refused.getMessage()));
+            if (!json) {
+                err.println(world.file() + ": " + refused.getMessage());
+            }
+            return ExitCode.PHYSICS;
+        }
+    }
+
+    private static Map<String, Object> fields(Problem problem) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("file", problem.file());
+        fields.put("line", problem.line());
+        fields.put("column", problem.column());
+        fields.put("pointer", problem.pointer());
+        fields.put("message", problem.message());
+        return fields;
+    }
+}

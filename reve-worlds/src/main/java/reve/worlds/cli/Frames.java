@@ -1,0 +1,26 @@
+package reve.worlds.cli;
+
+import java.util.Optional;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.ParameterException;
+import reve.core.frame.Timing;
+
+/** World time given on the command line, as a number of frames. */
+final class Frames {
+    private Frames() {}
+
+    /** The frame nearest to a time [s]; refuses what is negative, not finite, or beyond 2^53 frames. */
+    static long of(CommandSpec spec, String option, double seconds, Timing timing) {
+        double frames = seconds * timing.framesPerSecond();
+        if (!(frames >= 0 && frames < 0x1p53)) {
+            throw new ParameterException(spec.commandLine(),
+                    option + " is " + seconds + ", expected a time of 0 s or more");
+        }
+        return Math.round(frames);
+    }
+
+    /** As above; without a time there is no end. */
+    static long of(CommandSpec spec, String option, Optional<Double> seconds, Timing timing) {
+        return seconds.isPresent() ? of(spec, option, seconds.get(), timing) : Long.MAX_VALUE;
+    }
+}

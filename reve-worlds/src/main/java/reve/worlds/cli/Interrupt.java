@@ -1,0 +1,47 @@
+package reve.worlds.cli;
+
+import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.TimeUnit;
+
+/**
+ * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as usual,
+ * and the process exits with 0. Open around the run and its report; close is called by the command's
+ * own thread when the report is out.
+ */
+final class Interrupt implements AutoCloseable {
+    private static final long PATIENCE_SECONDS = 10;
+
+    private final CountDownLatch reported = new CountDownLatch(1);
+    private final Thread hook;
+
+    /** @param stop asks the command to end soon; called on another thread */
+    Interrupt(Runnable stop) {
+        hook = new Thread(() -> endWith(stop), "interrupt");
+        Runtime.getRuntime().addShutdownHook(hook);
+    }
+
+    private void endWith(Runnable stop) {
+        stop.run();
+        try {
+            if (!reported.await(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
+                Runtime.getRuntime().halt(ExitCode.FAILURE);
+            }
+        } catch (InterruptedException impatient) {
+            Thread.currentThread().interrupt();
+        }
+        // Ends with 0 instead of 128 + signal: the command did all that it was asked to do.
+        Runtime.getRuntime().halt(ExitCode.OK);
+    }
+
+    @Override
+    public void close() {
+        System.out.flush();
+        System.err.flush();
+        reported.countDown();
+        try {
+            Runtime.getRuntime().removeShutdownHook(hook);
+        } catch (IllegalStateException ending) {
+            // The process is ending and the hook will see to it.
+        }
+    }
+}

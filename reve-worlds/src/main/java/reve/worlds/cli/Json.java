@@ -1,0 +1,25 @@
+package reve.worlds.cli;
+
+import java.io.PrintWriter;
+import java.util.Map;
+import picocli.CommandLine.Model.CommandSpec;
+import tools.jackson.databind.json.JsonMapper;
+
+/** Results as JSON on standard output, for programs. */
+public final class Json {
+    private static final JsonMapper MAPPER = new JsonMapper();
+
+    private Json() {}
+
+    /** One line, without its end. */
+    public static String line(Map<String, ?> fields) {
+        return MAPPER.writeValueAsString(fields);
+    }
+
+    /** One document on the command's standard output. */
+    static void print(CommandSpec spec, Map<String, ?> fields) {
+        PrintWriter out = spec.commandLine().getOut();
+        out.println(MAPPER.writerWithDefaultPrettyPrinter().writeValueAsString(fields));
+        out.flush();
+    }
+}

@@ -1,0 +1,68 @@
+package reve.worlds.cli;
+
+import java.io.PrintWriter;
+import java.util.concurrent.Callable;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.Spec;
+import reve.core.file.WorldDescription;
+import reve.core.frame.Pacing;
+import reve.worlds.server.RunReport;
+import reve.worlds.server.Simulation;
+
+/** Runs a world without a server and says what came out. */
+@Command(name = "run", description = "Runs a world for some time, without a server, as fast as it goes.")
+public final class RunCommand implements Callable<Integer> {
+    @Spec
+    private CommandSpec spec = CommandSpec.create();
+
+    @Mixin
+    private WorldArgument world = new WorldArgument();
+
+    @Option(names = "--seconds", paramLabel = "S", defaultValue = "5",
+            description = "World time to run [s] (default: ${DEFAULT-VALUE}).")
+    private double seconds;
+
+    @Option(names = "--real-time", description = "Pace the frames to the wall clock.")
+    private boolean realTime;
+
+    @Option(names = "--profile", description = "Show where the time went, by phase and per body.")
+    private boolean profile;
+
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws Exception {
+        WorldDescription description = world.load();
+        long frames = Frames.of(spec, "--seconds", seconds, description.timing());
+        Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
+        try (Simulation simulation = new Simulation(description, pacing);
+                Interrupt interrupt = new Interrupt(simulation.loop()::stop)) {
+            RunReport report = run(simulation, frames);
+            if (json) {
+                Json.print(spec, report.fields());
+            } else {
+                PrintWriter out = spec.commandLine().getOut();
+                report.print(out);
+                if (profile) {
+                    report.printProfile(out);
+                }
+                out.flush();
+            }
+            return report.faults().isEmpty() ? ExitCode.OK : ExitCode.FAILURE;
+        }
+    }
+
+    private static RunReport run(Simulation simulation, long frames) {
+        Progress progress = new Progress(System.err, frames);
+        simulation.onPublish("progress", event -> progress.at(event.frame(), event.timeSeconds()));
+        long start = System.nanoTime();
+        simulation.loop().run(frames);
+        double wallSeconds = (System.nanoTime() - start) * 1e-9;
+        progress.done();
+        return RunReport.of(simulation, wallSeconds);
+    }
+}

@@ -1,0 +1,78 @@
+package reve.worlds.cli;
+
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import java.util.concurrent.Callable;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.Spec;
+import reve.core.agent.AgentServerConfig;
+import reve.core.file.WorldDescription;
+import reve.core.frame.Pacing;
+import reve.worlds.server.Pictures;
+import reve.worlds.server.ServerReport;
+import reve.worlds.server.WorldServer;
+
+/** Runs a world that agents can join and laws can be dropped into, until Ctrl-C. */
+@Command(
+        name = "serve",
+        description = "Runs a world that agents can join and laws can be dropped into, until Ctrl-C.")
+public final class ServeCommand implements Callable<Integer> {
+    /** The port of the protocol, see agents/protocol/PROTOCOL.md. */
+    static final String DEFAULT_PORT = "7777";
+
+    @Spec
+    private CommandSpec spec = CommandSpec.create();
+
+    @Mixin
+    private WorldArgument world = new WorldArgument();
+
+    @Option(names = "--port", paramLabel = "N", defaultValue = DEFAULT_PORT,
+            description = "Loopback port for agents, 0 for any free one (default: ${DEFAULT-VALUE}).")
+    private int port;
+
+    @Option(names = "--laws", paramLabel = "DIR",
+            description = "Folder to watch: law libraries dropped here act, removed ones stop.")
+    private Optional<Path> laws = Optional.empty();
+
+    @Option(names = "--seconds", paramLabel = "S", description = "Stop after this much world time [s].")
+    private Optional<Double> seconds = Optional.empty();
+
+    @Option(names = "--snapshots", paramLabel = "DIR", defaultValue = ".",
+            description = "Folder for pictures (default: the current one).")
+    private Path snapshots = Path.of(".");
+
+    @Option(names = "--snapshot-at", paramLabel = "S", split = ",",
+            description = "World times to take pictures at [s], for example 0,2.5,5.")
+    private List<Double> snapshotAt = new ArrayList<>();
+
+    @Option(names = "--fast", description = "As fast as it goes, instead of paced to the wall clock.")
+    private boolean fast;
+
+    @Option(names = "--json", description = "Report events as one JSON object per line on standard output.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws Exception {
+        WorldDescription description = world.load();
+        long frames = Frames.of(spec, "--seconds", seconds, description.timing());
+        List<Long> pictureFrames = new ArrayList<>();
+        for (double time : snapshotAt) {
+            pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
+        }
+        try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json);
+                WorldServer server = new WorldServer(description, fast ? Pacing.FAST : Pacing.REAL_TIME,
+                        AgentServerConfig.onPort(port), laws, new Pictures(snapshots, pictureFrames), events);
+                Interrupt interrupt = new Interrupt(server::stop)) {
+            server.start();
+            ServerReport report = server.run(frames);
+            server.close();
+            events.end(report);
+            return ExitCode.OK;
+        }
+    }
+}

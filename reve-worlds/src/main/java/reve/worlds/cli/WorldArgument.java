@@ -1,0 +1,33 @@
+package reve.worlds.cli;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.Path;
+import picocli.CommandLine.Parameters;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
+
+/** The WORLD argument that most commands take. */
+final class WorldArgument {
+    @Parameters(
+            paramLabel = "WORLD",
+            description = "A world file, or a folder that holds a world.yaml.")
+    private Path path = Path.of("");
+
+    /** The file itself. */
+    Path file() {
+        return Files.isDirectory(path) ? path.resolve("world.yaml") : path;
+    }
+
+    /** Reads and checks the file. */
+    WorldDescription load() throws IOException, WorldFileException {
+        Path file = file();
+        if (!Files.exists(file)) {
+            throw new NoSuchFileException("there is no world file " + file
+                    + "; name a file, or a folder that holds a world.yaml");
+        }
+        return WorldFile.load(file);
+    }
+}

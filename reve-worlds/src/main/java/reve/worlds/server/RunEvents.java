@@ -1,0 +1,48 @@
+package reve.worlds.server;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import reve.core.frame.FrameEvent;
+import reve.core.frame.FrameListener;
+import reve.core.world.WorldEvent;
+
+/** Counts the events of a run and keeps its faults, for the report. World's thread. */
+public final class RunEvents implements FrameListener {
+    private static final int MAX_FAULTS = 100;
+
+    private final Map<String, Long> counts = new LinkedHashMap<>();
+    private final Set<String> libraries = new LinkedHashSet<>();
+    private final List<WorldEvent> faults = new ArrayList<>();
+
+    @Override
+    public void onFrame(FrameEvent frame) {
+        for (WorldEvent event : frame.world().events()) {
+            counts.merge(event.type(), 1L, Long::sum);
+            if (event.type().equals("law-loaded")) {
+                libraries.add((String) event.fields().get("library"));
+            }
+            if (event.type().equals("fault") && faults.size() < MAX_FAULTS) {
+                faults.add(event);
+            }
+        }
+    }
+
+    /** How many events of a type there were. */
+    public long count(String type) {
+        return counts.getOrDefault(type, 0L);
+    }
+
+    /** Every law library that was ever loaded, in that order. */
+    public List<String> libraries() {
+        return List.copyOf(libraries);
+    }
+
+    /** The first hundred faults, in order. */
+    public List<WorldEvent> faults() {
+        return List.copyOf(faults);
+    }
+}

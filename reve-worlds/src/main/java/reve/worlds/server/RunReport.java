@@ -1,0 +1,139 @@
+package reve.worlds.server;
+
+import java.io.PrintWriter;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+import reve.core.frame.FramePhase;
+import reve.core.frame.FrameProfile;
+import reve.core.frame.Timing;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
+import reve.pe.PhysicsLaw;
+import reve.pe.adapter.AdapterProfile;
+
+/**
+ * What a run came to.
+ *
+ * @param frames frames made
+ * @param worldSeconds simulated time they cover [s]
+ * @param wallSeconds time they took [s]
+ * @param stateHash of all columns that laws see, at the end
+ * @param bodies rows of kind {@code body} that laws may move
+ * @param laws loaded at the end, with what they cost
+ * @param libraries every law library that was ever loaded, in that order
+ */
+public record RunReport(String world, long frames, double worldSeconds, double wallSeconds, long stateHash,
+        int items, int bodies, List<PhysicsLaw> laws, List<String> libraries, List<WorldEvent> faults,
+        FrameProfile profile, AdapterProfile physics) {
+
+    public RunReport {
+        laws = List.copyOf(laws);
+        libraries = List.copyOf(libraries);
+        faults = List.copyOf(faults);
+    }
+
+    /** Of a simulation between frames, on its thread. */
+    public static RunReport of(Simulation simulation, double wallSeconds) {
+        World world = simulation.world();
+        FrameProfile profile = simulation.loop().profile();
+        Timing timing = simulation.description().timing();
+        return new RunReport(world.name(), profile.frames(), timing.timeSeconds(profile.frames()), wallSeconds,
+                simulation.physics().stateHash(), world.items().size(),
+                world.table(WorldPrototype.BODY).physicsRowCount(), simulation.physics().laws().loaded(),
+                simulation.events().libraries(), simulation.events().faults(), profile,
+                simulation.physics().profile());
+    }
+
+    /** Simulated seconds per second of wall time. */
+    public double realTimeFactor() {
+        return worldSeconds / wallSeconds;
+    }
+
+    /** For JSON. */
+    public Map<String, Object> fields() {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("world", world);
+        fields.put("frames", frames);
+        fields.put("worldSeconds", worldSeconds);
+        fields.put("wallSeconds", wallSeconds);
+        fields.put("realTimeFactor", realTimeFactor());
+        fields.put("stateHash", hash());
+        fields.put("items", items);
+        fields.put("bodies", bodies);
+        fields.put("laws", laws.stream().map(RunReport::lawFields).toList());
+        fields.put("libraries", libraries);
+        fields.put("faults", faults.stream().map(WorldEvent::fields).toList());
+        fields.put("profile", profileFields());
+        return fields;
+    }
+
+    /** A few lines for people. */
+    public void print(PrintWriter out) {
+        out.printf(Locale.ROOT, "%s: %d frames, %.2f s of world time in %.2f s (%.1f x real time)%n",
+                world, frames, worldSeconds, wallSeconds, realTimeFactor());
+        out.printf(Locale.ROOT, "items: %d, of which laws move %d%n", items, bodies);
+        for (PhysicsLaw law : laws) {
+            out.printf(Locale.ROOT, "law %s %s (%s): %d calls, %.2f ms%n", law.name(), law.version(), law.library(),
+                    law.calls(), law.nanoseconds() * 1e-6);
+        }
+        for (WorldEvent fault : faults) {
+            out.printf(Locale.ROOT, "fault in frame %d: %s%n", fault.frame(), fault.fields().get("message"));
+        }
+        out.printf(Locale.ROOT, "state hash: %s%n", hash());
+    }
+
+    /** Where the time went: one line per part of a frame, per frame and per body. */
+    public void printProfile(PrintWriter out) {
+        double busy = profile.busyNanoseconds();
+        out.printf(Locale.ROOT, "%-24s %12s %12s %8s%n", "profile", "ns/frame", "ns/body", "share");
+        for (Map.Entry<String, Long> part : parts().entrySet()) {
+            double perFrame = part.getValue() / (double) Math.max(1, frames);
+            out.printf(Locale.ROOT, "%-24s %12.0f %12.2f %7.1f%%%n", part.getKey(), perFrame,
+                    perFrame / Math.max(1, bodies), 100 * part.getValue() / Math.max(1, busy));
+        }
+    }
+
+    /** Exclusive parts of the busy time [ns]; PHYSICS is split into what the adapter does. */
+    Map<String, Long> parts() {
+        Map<FramePhase, Long> phases = profile.phaseNanoseconds();
+        Map<String, Long> parts = new LinkedHashMap<>();
+        parts.put("INTAKE", phases.get(FramePhase.INTAKE));
+        parts.put("ACT", phases.get(FramePhase.ACT));
+        parts.put("PHYSICS bind", physics.bindNanoseconds());
+        parts.put("PHYSICS rollback copy", physics.copyNanoseconds());
+        parts.put("PHYSICS advance", physics.advanceNanoseconds());
+        parts.put("DERIVE", phases.get(FramePhase.DERIVE));
+        parts.put("PUBLISH snapshot copy", phases.get(FramePhase.PUBLISH));
+        long named = parts.values().stream().mapToLong(Long::longValue).sum();
+        parts.put("rest", Math.max(0, profile.busyNanoseconds() - named));
+        return parts;
+    }
+
+    private String hash() {
+        return String.format(Locale.ROOT, "%016x", stateHash);
+    }
+
+    private Map<String, Object> profileFields() {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("busyNanoseconds", profile.busyNanoseconds());
+        fields.put("overruns", profile.overruns());
+        fields.put("droppedFrames", profile.droppedFrames());
+        fields.put("redoneFrames", physics.redoneFrames());
+        fields.put("nanoseconds", parts());
+        return fields;
+    }
+
+    private static Map<String, Object> lawFields(PhysicsLaw law) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("library", law.library());
+        fields.put("law", law.name());
+        fields.put("version", law.version());
+        fields.put("calls", law.calls());
+        fields.put("nanoseconds", law.nanoseconds());
+        return fields;
+    }
+}

@@ -1,0 +1,131 @@
+package reve.worlds.server;
+
+import java.nio.file.Path;
+import java.util.List;
+import reve.core.derive.BoundingBoxes;
+import reve.core.file.LawReference;
+import reve.core.file.WorldDescription;
+import reve.core.frame.CommandQueue;
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameListener;
+import reve.core.frame.FrameLoop;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Pacing;
+import reve.core.world.SnapshotRing;
+import reve.core.world.World;
+import reve.pe.PhysicsEngine;
+import reve.pe.PreparedLibrary;
+import reve.pe.adapter.PhysicsAdapter;
+import reve.pe.adapter.PropertyNames;
+import reve.pe.adapter.SharedArena;
+import reve.pe.vesper.VesperConfig;
+import reve.pe.vesper.VesperEngine;
+
+/**
+ * A world with everything that moves it: commands, laws, derived properties, snapshots. The thread
+ * that makes it owns it until another one runs its loop.
+ */
+public final class Simulation implements AutoCloseable {
+    private static final int COMMAND_CAPACITY = 1 << 16;
+    private static final int SNAPSHOT_SLOTS = 4;
+
+    private final WorldDescription description;
+    private final SharedArena arena = new SharedArena();
+    private final World world;
+    private final FrameBus bus = new FrameBus();
+    private final CommandQueue commands = new CommandQueue(COMMAND_CAPACITY);
+    private final SnapshotRing snapshots;
+    private final FrameLoop loop;
+    private final PhysicsEngine engine;
+    private final PhysicsAdapter physics;
+    private final RunEvents events = new RunEvents();
+
+    /**
+     * Builds the world and loads its laws.
+     *
+     * @throws reve.pe.PhysicsException if a law does not load or does not fit the world
+     */
+    public Simulation(WorldDescription description, Pacing pacing) {
+        this.description = description;
+        world = description.build(arena);
+        engine = new VesperEngine(VesperConfig.of(List.of(lawPath())), PropertyNames.prototype(world.prototype()));
+        physics = new PhysicsAdapter(world, engine, arena);
+        snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
+        loop = new FrameLoop(world, bus, description.timing(), pacing);
+        try {
+            description.laws().forEach(this::load);
+        } catch (RuntimeException refused) {
+            close();
+            throw refused;
+        }
+        commands.subscribeTo(bus);
+        bus.subscribe(FramePhase.PHYSICS, "physics", physics);
+        BoundingBoxes.subscribeTo(bus);
+        onPublish("snapshots", frame -> snapshots.publish(frame.frame(), frame.timeSeconds()));
+        onPublish("run events", events);
+    }
+
+    /** The laws that come with the product. */
+    private static Path lawPath() {
+        return Path.of(System.getProperty("reve.native.path", "build/native"), "laws");
+    }
+
+    private void load(LawReference law) {
+        try (PreparedLibrary prepared = engine.prepare(law.name())) {
+            physics.laws().load(0, prepared, law.parameters());
+        }
+    }
+
+    /** What the world was built from. */
+    public WorldDescription description() {
+        return description;
+    }
+
+    public World world() {
+        return world;
+    }
+
+    public FrameBus bus() {
+        return bus;
+    }
+
+    public FrameLoop loop() {
+        return loop;
+    }
+
+    /** The way into the world from other threads. */
+    public CommandQueue commands() {
+        return commands;
+    }
+
+    /** What other threads read. */
+    public SnapshotRing snapshots() {
+        return snapshots;
+    }
+
+    public PhysicsEngine engine() {
+        return engine;
+    }
+
+    public PhysicsAdapter physics() {
+        return physics;
+    }
+
+    /** What happened so far. World's thread. */
+    public RunEvents events() {
+        return events;
+    }
+
+    /** Calls a listener in PUBLISH of each frame, when its snapshot can be acquired. */
+    public void onPublish(String name, FrameListener listener) {
+        bus.subscribe(FramePhase.PUBLISH, name, listener);
+    }
+
+    /** Frees the engine and the columns; the loop has ended. */
+    @Override
+    public void close() {
+        engine.close();
+        physics.close();
+        arena.close();
+    }
+}

@@ -1,0 +1,39 @@
+package reve.tests;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/**
+ * The fenced code blocks of one of the project's Markdown files, so that tests run what people
+ * read.
+ */
+record Document(Path path, List<Block> blocks) {
+    private static final Pattern FENCE =
+            Pattern.compile("^```(\\w+)(?: title=(\\S+))?\\R(.*?)^```$", Pattern.MULTILINE | Pattern.DOTALL);
+
+    /** One block: its language, its file name (empty if the block names none) and its text. */
+    record Block(String language, String title, String text) {}
+
+    static Document read(Path path) throws IOException {
+        List<Block> blocks = new ArrayList<>();
+        Matcher fence = FENCE.matcher(Files.readString(path));
+        while (fence.find()) {
+            String title = fence.group(2) == null ? "" : fence.group(2);
+            blocks.add(new Block(fence.group(1), title, fence.group(3)));
+        }
+        return new Document(path, List.copyOf(blocks));
+    }
+
+    /** The block that carries this file name. */
+    Block titled(String title) {
+        return blocks.stream()
+                .filter(block -> block.title().equals(title))
+                .findFirst()
+                .orElseThrow(() -> new IllegalArgumentException(path + " has no block titled " + title));
+    }
+}

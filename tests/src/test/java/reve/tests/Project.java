@@ -1,0 +1,20 @@
+package reve.tests;
+
+import java.nio.file.Path;
+
+/** Where things are in the checkout that is being tested. */
+final class Project {
+    static final Path ROOT = Path.of(required("reve.root"));
+    static final Path NATIVE = Path.of(required("reve.native.path"));
+    static final Path WORLDS = ROOT.resolve("worlds");
+
+    private Project() {}
+
+    private static String required(String property) {
+        String value = System.getProperty(property);
+        if (value == null) {
+            throw new IllegalStateException("run these tests through ./reve test, which sets -D" + property);
+        }
+        return value;
+    }
+}
