@@ -59,6 +59,13 @@ public final class Laws {
         return id;
     }
 
+    /** Prepares and activates in one call, which takes milliseconds: for the start of a world. */
+    public int load(long frame, String library, Map<String, Double> parameters) {
+        try (PreparedLibrary prepared = engine.prepare(library)) {
+            return load(frame, prepared, parameters);
+        }
+    }
+
     /**
      * Unloads a library outside PHYSICS.
      *

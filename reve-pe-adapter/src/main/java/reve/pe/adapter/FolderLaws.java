@@ -1,0 +1,137 @@
+package reve.pe.adapter;
+
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Set;
+import org.jspecify.annotations.Nullable;
+import reve.core.frame.Command;
+import reve.core.frame.FrameEvent;
+import reve.core.world.World;
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Status;
+
+/**
+ * Which file of a {@link LawFolder} is active as which library. Changes come as commands on the
+ * world's thread; tracking works on any thread.
+ */
+final class FolderLaws implements AutoCloseable {
+    private final Laws laws;
+    private final Map<String, ActiveFile> byName = new HashMap<>();
+    /** Everything prepared, so that what no engine took is dropped at the end. */
+    private final Set<PreparedLibrary> tracked = new HashSet<>();
+
+    /** A change to the folder's laws, made in ACT of a frame. */
+    interface Change {
+        void make(long frame);
+    }
+
+    /** @param spare the same library once more: what to go back to if a successor is refused */
+    private record ActiveFile(int libraryId, String sha256, @Nullable PreparedLibrary spare) {
+    }
+
+    /** A change on its way through the command queue. */
+    record Entry(long sequence, Change change) implements Command {
+        @Override
+        public String origin() {
+            return LawFolder.ORIGIN;
+        }
+
+        @Override
+        public void execute(World world, FrameEvent event) {
+            change.make(event.frame());
+        }
+    }
+
+    FolderLaws(Laws laws) {
+        this.laws = laws;
+    }
+
+    synchronized PreparedLibrary track(PreparedLibrary prepared) {
+        tracked.add(prepared);
+        return prepared;
+    }
+
+    /** Activates a file's library in place of what the file held before. */
+    void put(long frame, String name, PreparedLibrary library, PreparedLibrary spare) {
+        ActiveFile old = byName.get(name);
+        boolean replaces = old != null && laws.isLoaded(old.libraryId);
+        if (replaces && old.sha256.equals(library.sha256())) {
+            drop(library);
+            drop(spare);
+            return;
+        }
+        try {
+            int id = replaces ? replace(frame, name, old, library)
+                : laws.load(frame, library, Map.of());
+            untrack(library);
+            if (old != null) {
+                drop(old.spare);
+            }
+            byName.put(name, new ActiveFile(id, library.sha256(), spare));
+        } catch (PhysicsException refusal) {
+            drop(library);
+            drop(spare);
+            refuse(frame, name, refusal);
+        }
+    }
+
+    /** Unloads what a removed file held. */
+    void remove(long frame, String name) {
+        ActiveFile old = byName.remove(name);
+        if (old != null) {
+            drop(old.spare);
+            if (laws.isLoaded(old.libraryId)) {
+                laws.unload(frame, old.libraryId);
+            }
+        }
+    }
+
+    /** Tells that a file does not act, and why. */
+    void refuse(long frame, String name, PhysicsException refusal) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("source", LawFolder.ORIGIN);
+        fields.put("file", name);
+        laws.reportFault(frame, fields, refusal);
+    }
+
+    @Override
+    public synchronized void close() {
+        tracked.forEach(PreparedLibrary::close);
+        tracked.clear();
+    }
+
+    /**
+     * The two may not be loaded together (same name, same property integrated), so the old one goes
+     * first, and comes back if the new one is refused.
+     */
+    private int replace(long frame, String name, ActiveFile old, PreparedLibrary library) {
+        if (old.spare == null) {
+            throw new PhysicsException(Status.ALREADY_EXISTS, name + " was replaced after"
+                + " an earlier replacement was refused; remove the file first, then drop it again");
+        }
+        laws.unload(frame, old.libraryId);
+        try {
+            return laws.load(frame, library, Map.of());
+        } catch (PhysicsException refusal) {
+            int back = laws.load(frame, old.spare, Map.of());
+            untrack(old.spare);
+            byName.put(name, new ActiveFile(back, old.sha256, null));
+            throw refusal;
+        }
+    }
+
+    /** Closes what no engine took. */
+    void drop(@Nullable PreparedLibrary prepared) {
+        if (prepared != null) {
+            prepared.close();
+            untrack(prepared);
+        }
+    }
+
+    private synchronized void untrack(PreparedLibrary prepared) {
+        tracked.remove(prepared);
+    }
+}

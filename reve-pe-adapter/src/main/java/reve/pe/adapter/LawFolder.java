@@ -1,0 +1,279 @@
+package reve.pe.adapter;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.LinkOption;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.Path;
+import java.nio.file.attribute.BasicFileAttributes;
+import java.nio.file.attribute.PosixFilePermission;
+import java.time.Duration;
+import java.util.Map;
+import java.util.TreeMap;
+import java.util.TreeSet;
+import java.util.concurrent.TimeUnit;
+import java.util.stream.Stream;
+import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+import reve.core.frame.CommandQueue;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Status;
+
+/**
+ * A folder of law libraries that a running world follows: a file dropped acts from the next frame
+ * on, a file removed stops acting, a file replaced is exchanged between two frames. Looks at the
+ * folder and checks libraries on a thread of its own; the world's thread only activates what is
+ * ready, as commands of origin {@value #ORIGIN}. What is refused becomes one "fault" event.
+ *
+ * <p>Files whose name ends in ".so" count, once two looks saw the same size and time. A file that
+ * cannot be loaded is told only if it stays the same for some looks more: it may still be arriving.
+ */
+public final class LawFolder implements AutoCloseable {
+    /** Origin of this folder's commands. */
+    public static final String ORIGIN = "laws-folder";
+    /** Most libraries of one folder that are active at a time. */
+    public static final int MAX_LIBRARIES = 64;
+    /** Time between two looks of the folder's own thread. */
+    public static final Duration INTERVAL = Duration.ofMillis(200);
+
+    private static final Logger LOG = LoggerFactory.getLogger(LawFolder.class);
+    private static final int LOOKS_UNTIL_STABLE = 2;
+    private static final int LOOKS_UNTIL_TOLD = 12;
+
+    private final Path folder;
+    private final PhysicsEngine engine;
+    private final CommandQueue commands;
+    private final FolderLaws active;
+    private final Map<String, WatchedFile> files = new TreeMap<>();
+    private long sequence;
+    private @Nullable Thread thread;
+    private @Nullable String complaint;
+
+    /** What one content of a file is known by without reading it. */
+    private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {
+    }
+
+    /** A file as the last looks found it. */
+    private static final class WatchedFile {
+        @Nullable Stamp stamp;
+        int equalLooks;
+        /** Nothing is left to do until the file changes, but perhaps to tell the refusal. */
+        boolean settled;
+        /** Was handed to the world at least once. */
+        boolean accepted;
+        @Nullable PhysicsException refusal;
+        int looksUntilTold;
+        String told = "";
+
+        void refuse(PhysicsException why, int looks) {
+            settled = true;
+            refusal = why;
+            looksUntilTold = looks;
+        }
+    }
+
+    /**
+     * Follows a folder from the first look on.
+     *
+     * @param engine prepares libraries; closed after this
+     * @throws IllegalArgumentException if the path is no folder, or everybody may write to it
+     */
+    public LawFolder(Path folder, PhysicsEngine engine, Laws laws, CommandQueue commands) {
+        this.folder = checkFolder(folder);
+        this.engine = engine;
+        this.commands = commands;
+        this.active = new FolderLaws(laws);
+    }
+
+    /** Begins to look every {@link #INTERVAL} on a thread of its own. Once. */
+    public void start() {
+        if (thread != null) {
+            throw new IllegalStateException(folder + " is followed already");
+        }
+        thread = Thread.ofPlatform().daemon().name(ORIGIN).start(this::followUntilInterrupted);
+    }
+
+    /** One look at the folder. For whoever does without {@link #start}; not together with it. */
+    public void look() {
+        try {
+            Map<String, Path> present = list();
+            complaint = null;
+            for (String name : new TreeSet<>(files.keySet())) {
+                if (!present.containsKey(name)) {
+                    lookAtMissing(name, files.get(name));
+                }
+            }
+            present.forEach((name, file) ->
+                lookAt(name, file, files.computeIfAbsent(name, n -> new WatchedFile())));
+        } catch (IOException e) {
+            complain(folder + " cannot be read, laws stay as they are: " + e);
+        }
+    }
+
+    /**
+     * Ends following; active laws stay active. Call it after the world's last frame and before the
+     * engine is closed.
+     */
+    @Override
+    public void close() {
+        Thread looking = thread;
+        if (looking != null) {
+            looking.interrupt();
+            joinUninterruptibly(looking);
+        }
+        active.close();
+    }
+
+    private static void joinUninterruptibly(Thread looking) {
+        boolean interrupted = false;
+        while (looking.isAlive()) {
+            try {
+                looking.join();
+            } catch (InterruptedException e) {
+                interrupted = true;
+            }
+        }
+        if (interrupted) {
+            Thread.currentThread().interrupt();
+        }
+    }
+
+    private void followUntilInterrupted() {
+        try {
+            while (true) {
+                look();
+                Thread.sleep(INTERVAL);
+            }
+        } catch (InterruptedException e) {
+            // close() asks for the end this way
+        }
+    }
+
+    private Map<String, Path> list() throws IOException {
+        Map<String, Path> present = new TreeMap<>();
+        try (Stream<Path> entries = Files.list(folder)) {
+            entries.filter(file -> file.getFileName().toString().endsWith(".so"))
+                .forEach(file -> present.put(file.getFileName().toString(), file));
+        }
+        return present;
+    }
+
+    private void lookAtMissing(String name, WatchedFile file) {
+        if (!file.accepted || offer(frame -> active.remove(frame, name))) {
+            files.remove(name);
+        }
+    }
+
+    private void lookAt(String name, Path path, WatchedFile file) {
+        try {
+            BasicFileAttributes attributes = Files.readAttributes(path, BasicFileAttributes.class,
+                LinkOption.NOFOLLOW_LINKS);
+            Stamp stamp = new Stamp(attributes.fileKey(), attributes.size(),
+                attributes.lastModifiedTime().to(TimeUnit.NANOSECONDS));
+            if (!stamp.equals(file.stamp)) {
+                file.stamp = stamp;
+                file.equalLooks = 0;
+                file.settled = false;
+                file.refusal = null;
+            }
+            file.equalLooks++;
+            if (!file.settled && file.equalLooks >= LOOKS_UNTIL_STABLE) {
+                settle(name, path, attributes, file);
+            }
+            tellRefusal(name, file);
+        } catch (NoSuchFileException e) {
+            // gone since it was listed: the next look misses it
+        } catch (IOException e) {
+            complain(path + " cannot be read: " + e.getMessage());
+        }
+    }
+
+    private void settle(String name, Path path, BasicFileAttributes attributes,
+                        WatchedFile file) {
+        if (!attributes.isRegularFile()) {
+            file.refuse(new PhysicsException(Status.INVALID_ARGUMENT, path
+                + " is ignored: expected a regular file, found "
+                + (attributes.isSymbolicLink() ? "a symbolic link; copy the file itself here"
+                    : attributes.isDirectory() ? "a folder" : "a special file")), 0);
+        } else if (!file.accepted && acceptedCount() >= MAX_LIBRARIES) {
+            file.refuse(new PhysicsException(Status.INVALID_ARGUMENT, path
+                + " is ignored: the folder has " + MAX_LIBRARIES
+                + " law libraries already; remove one, and drop it again"), 0);
+        } else {
+            try {
+                prepareAndOffer(name, path, file);
+            } catch (PhysicsException e) {
+                file.refuse(e,
+                    e.status() == Status.LIBRARY_LOAD_FAILED ? LOOKS_UNTIL_TOLD : 0);
+            }
+        }
+    }
+
+    /** Prepares it twice: the second is what to go back to if a successor is refused. */
+    private void prepareAndOffer(String name, Path path, WatchedFile file) {
+        PreparedLibrary library = active.track(engine.prepare(path.toString()));
+        PreparedLibrary spare;
+        try {
+            spare = active.track(engine.prepare(path.toString()));
+        } catch (PhysicsException e) {
+            active.drop(library);
+            throw e;
+        }
+        file.settled = library.sha256().equals(spare.sha256())
+            && offer(frame -> active.put(frame, name, library, spare));
+        if (file.settled) {
+            file.accepted = true;
+        } else {
+            active.drop(library);
+            active.drop(spare);
+        }
+    }
+
+    private long acceptedCount() {
+        return files.values().stream().filter(file -> file.accepted).count();
+    }
+
+    /** Reports a refusal when it is time, and the same one only once. */
+    private void tellRefusal(String name, WatchedFile file) {
+        PhysicsException refusal = file.refusal;
+        if (refusal == null || file.equalLooks < file.looksUntilTold) {
+            return;
+        }
+        String message = String.valueOf(refusal.getMessage());
+        if (message.equals(file.told) || offer(frame -> active.refuse(frame, name, refusal))) {
+            file.told = message;
+            file.refusal = null;
+        }
+    }
+
+    private boolean offer(FolderLaws.Change change) {
+        return commands.offer(new FolderLaws.Entry(sequence++, change));
+    }
+
+    private void complain(String message) {
+        if (!message.equals(complaint)) {
+            complaint = message;
+            LOG.warn("{}", message);
+        }
+    }
+
+    private static Path checkFolder(Path folder) {
+        if (!Files.isDirectory(folder)) {
+            throw new IllegalArgumentException(
+                "laws folder " + folder + " is not a folder; create it, or name another");
+        }
+        try {
+            if (Files.getPosixFilePermissions(folder)
+                .contains(PosixFilePermission.OTHERS_WRITE)) {
+                throw new IllegalArgumentException("laws folder " + folder + " can be written by"
+                    + " everybody, and what lies in it is run: chmod o-w it, or name another");
+            }
+        } catch (IOException e) {
+            throw new IllegalArgumentException("laws folder " + folder + " cannot be read", e);
+        }
+        return folder.toAbsolutePath();
+    }
+}
