@@ -1,0 +1,210 @@
+#include <numbers>
+
+#include "scene.hpp"
+
+namespace vesper {
+namespace {
+
+template <class Real>
+class HookeSpringTest : public ::testing::Test {};
+TYPED_TEST_SUITE(HookeSpringTest, Precisions);
+
+/// A body of 4 kg on a spring of 100 N/m and 2 m, tied to a fixed point: omega = 5 rad/s.
+template <class Real>
+struct Oscillator {
+  explicit Oscillator(double strain, Real damping = 0) : engine(Make(strain, damping)) {
+    engine.LoadPhysicsLaw("hooke_spring");
+    engine.LoadPhysicsLaw("newton_motion");
+  }
+  double Strain() const { return double{scene.position[3]} - 2; }
+  double Energy() const { return scene.KineticEnergy() + 0.5 * 100 * Strain() * Strain(); }
+
+  Scene<Real> scene;
+  PhysicsEngine engine;
+
+ private:
+  PhysicsEngine Make(double strain, Real damping) {
+    scene.AddBody(0, {0, 0, 0});
+    scene.AddBody(4, {static_cast<Real>(2 + strain), 0, 0});
+    scene.AddSpring(0, 1, 2, 100, damping);
+    return scene.MakeEngine();
+  }
+};
+
+// Semi-implicit Euler turns the oscillator by theta a step, where 2 sin(theta / 2) = omega dt:
+// x(n) = x cos((n + 1/2) theta) / cos(theta / 2).
+TYPED_TEST(HookeSpringTest, OscillationMatchesTheClosedFormOfTheScheme) {
+  Oscillator<TypeParam> oscillator(0.5);
+  const double dt = 0.01, theta = 2 * std::asin(5 * dt / 2);
+  for (int n = 1; n <= 500; ++n) {
+    oscillator.engine.Advance(dt);
+    const double exact = 0.5 * std::cos((n + 0.5) * theta) / std::cos(theta / 2);
+    ASSERT_NEAR(oscillator.Strain(), exact, Rounding<TypeParam>(2.5 * n)) << "step " << n;
+  }
+}
+
+TYPED_TEST(HookeSpringTest, PeriodMatchesClosedForm) {
+  Oscillator<TypeParam> oscillator(0.5);
+  const double dt = 1.0 / 1024;
+  double before = oscillator.Strain(), first = 0, last = 0;
+  int falls = 0;  // through rest length, from long to short
+  for (int n = 1; falls < 5; ++n) {
+    oscillator.engine.Advance(dt);
+    const double strain = oscillator.Strain();
+    if (before > 0 && strain <= 0) {
+      const double time = (n - strain / (strain - before)) * dt;
+      (falls++ == 0 ? first : last) = time;
+    }
+    before = strain;
+    ASSERT_LT(n, 10000) << "it does not oscillate";
+  }
+  EXPECT_NEAR((last - first) / 4, 2 * std::numbers::pi / 5, 1e-5);
+}
+
+// delta = 2 pi zeta / sqrt(1 - zeta^2), with zeta = c / (2 sqrt(k m)) = 0.05.
+TYPED_TEST(HookeSpringTest, DampedOscillationHasTheLogarithmicDecrementOfClosedForm) {
+  Oscillator<TypeParam> oscillator(0.5, 2);
+  const double zeta = 0.05, dt = 1.0 / 4096;
+  const double expected = 2 * std::numbers::pi * zeta / std::sqrt(1 - zeta * zeta);
+  std::vector<double> peaks;
+  double earlier = 0, before = oscillator.Strain();
+  for (int n = 1; peaks.size() < 4; ++n) {
+    oscillator.engine.Advance(dt, 16);
+    const double strain = oscillator.Strain();
+    if (n > 1 && before > earlier && before >= strain) peaks.push_back(before);
+    earlier = before;
+    before = strain;
+    ASSERT_LT(n, 10000) << "it does not oscillate";
+  }
+  EXPECT_NEAR(std::log(peaks.front() / peaks.back()) / 3, expected, 2e-3 * expected);
+}
+
+// v' = v - (k x + c v) dt / m, x' = x + v' dt shrinks areas by 1 - c dt / m each step.
+TYPED_TEST(HookeSpringTest, DampingShrinksPhaseSpaceAsTheSchemeSays) {
+  const double dt = 0.01, c = 2;
+  Oscillator<TypeParam> a(0.5, TypeParam(c)), b(0.0, TypeParam(c));
+  b.scene.velocity[3] = 2.5;
+  const auto area = [&] {
+    return a.Strain() * double{b.scene.velocity[3]} - b.Strain() * double{a.scene.velocity[3]};
+  };
+  const double before = area();
+  a.engine.Advance(dt, 100);
+  b.engine.Advance(dt, 100);
+  EXPECT_NEAR(area() / before, std::pow(1 - c * dt / 4, 100), Rounding<TypeParam>(1000));
+}
+
+TYPED_TEST(HookeSpringTest, EnergyOfTheUndampedSpringStaysBounded) {
+  Oscillator<TypeParam> oscillator(0.5);
+  const double dt = 0.01, before = oscillator.Energy();
+  double worst = 0;
+  for (int n = 0; n < 2000; ++n) {  // 160 periods
+    oscillator.engine.Advance(dt, 10);
+    worst = std::max(worst, std::abs(oscillator.Energy() - before));
+  }
+  // The scheme conserves E - (omega dt / 2) omega x v m, so E swings by about omega dt / 2.
+  EXPECT_LT(worst, 1.1 * before * 5 * dt / 2);
+}
+
+TYPED_TEST(HookeSpringTest, HangingMassComesToRestAtTheStaticExtension) {
+  Oscillator<TypeParam> oscillator(0.0, 40);  // critically damped
+  oscillator.scene.gravity = {10, 0, 0};
+  oscillator.engine.LoadPhysicsLaw("gravity_field");
+  oscillator.engine.Advance(0.01, 1000);
+  EXPECT_NEAR(oscillator.Strain(), 4 * 10 / 100.0, Rounding<TypeParam>(50));
+  EXPECT_NEAR(oscillator.scene.velocity[3], 0, Rounding<TypeParam>(50));
+}
+
+TYPED_TEST(HookeSpringTest, MomentumAndAngularMomentumAreConserved) {
+  const uint32_t seed = 20;
+  auto scene = RandomNetwork<TypeParam>(40, seed);
+  scene.mass[0] = 2;
+  double scale = 0;
+  for (const TypeParam m : scene.mass) scale += 10 * double{m};  // speeds reach some 10 m/s
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.LoadPhysicsLaw("newton_motion");
+  const Vec3<double> momentum = scene.Momentum(), angular = scene.AngularMomentum();
+  const auto start = scene.position;
+  engine.Advance(1.0 / 240, 480);
+  EXPECT_NE(scene.position, start);
+  EXPECT_LT(Length(scene.Momentum() - momentum), Rounding<TypeParam>(100 * scale));
+  EXPECT_LT(Length(scene.AngularMomentum() - angular), Rounding<TypeParam>(100 * scale * 10));
+}
+
+TYPED_TEST(HookeSpringTest, MassZeroNeverMovesHoweverHardItIsPulled) {
+  Oscillator<TypeParam> oscillator(100);
+  oscillator.engine.Advance(0.01, 100);
+  EXPECT_EQ(oscillator.scene.At(oscillator.scene.position, 0), Vec3<TypeParam>{});
+  EXPECT_EQ(oscillator.scene.At(oscillator.scene.velocity, 0), Vec3<TypeParam>{});
+}
+
+TYPED_TEST(HookeSpringTest, CoincidentEndsExertNoForce) {
+  Scene<TypeParam> scene;
+  scene.AddBody(1, {1, 2, 3});
+  scene.AddBody(1, {1, 2, 3}, {5, 0, 0});
+  scene.AddSpring(0, 1, 2, 100, 3);
+  scene.AddSpring(1, 1, 2, 100, 3);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.Advance(0.01);
+  EXPECT_EQ(scene.external_force, std::vector<TypeParam>(6, 0));
+}
+
+TYPED_TEST(HookeSpringTest, DampingActsAlongTheSpringOnly) {
+  Scene<TypeParam> scene;
+  scene.AddBody(1, {0, 0, 0});
+  scene.AddBody(1, {2, 0, 0}, {0, 7, 0});  // sideways
+  scene.AddBody(1, {2, 5, 0}, {1, 0, 0});
+  scene.AddBody(1, {4, 5, 0}, {0, 0, 0});  // closing at 1 m/s
+  scene.AddSpring(0, 1, 2, 100, 3);
+  scene.AddSpring(2, 3, 2, 100, 3);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.Advance(0.01);
+  EXPECT_EQ(scene.external_force,
+            (std::vector<TypeParam>{0, 0, 0, 0, 0, 0, -3, 0, 0, 3, 0, 0}));
+}
+
+TYPED_TEST(HookeSpringTest, WithoutADampingPropertySpringsAreUndamped) {
+  Scene<TypeParam> scene;
+  scene.AddBody(1, {0, 0, 0});
+  scene.AddBody(1, {3, 0, 0}, {7, 0, 0});
+  scene.AddSpring(0, 1, 2, 100, 3);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.PropertyProvider().RemovePhysicalProperty("dampingConstant");
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.Advance(0.01);
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{100, 0, 0, -100, 0, 0}));
+}
+
+TYPED_TEST(HookeSpringTest, SpringsThatShareABodyAddUp) {
+  Scene<TypeParam> scene;
+  scene.AddBody(1, {0, 0, 0});
+  scene.AddBody(1, {3, 0, 0});
+  scene.AddBody(1, {0, 4, 0});
+  scene.AddSpring(1, 0, 2, 10);
+  scene.AddSpring(0, 2, 2, 10);
+  scene.AddSpring(0, 1, 2, 1);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.Advance(0.01);
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{11, 20, 0, -11, 0, 0, 0, -20, 0}));
+}
+
+TYPED_TEST(HookeSpringTest, EditedEndpointsActOnceTouched) {
+  Scene<TypeParam> scene;
+  scene.AddBody(1, {0, 0, 0});
+  scene.AddBody(1, {3, 0, 0});
+  scene.AddBody(1, {0, 4, 0});
+  scene.AddSpring(0, 1, 2, 10);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.Advance(0.01);
+  scene.endpoints = {2, 0};
+  engine.PropertyProvider().Touch({"endpoints"});
+  engine.Advance(0.01);
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{0, 20, 0, 0, 0, 0, 0, -20, 0}));
+}
+
+}  // namespace
+}  // namespace vesper
