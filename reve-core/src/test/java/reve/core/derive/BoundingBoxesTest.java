@@ -1,0 +1,148 @@
+package reve.core.derive;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.within;
+
+import java.util.Random;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameLoop;
+import reve.core.frame.Pacing;
+import reve.core.frame.Timing;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Mesh;
+import reve.core.world.OffHeapArena;
+import reve.core.world.Shape;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+class BoundingBoxesTest {
+
+    private static World world(String prototype) {
+        return new World("test", WorldPrototype.standard(prototype), new OffHeapArena());
+    }
+
+    @ParameterizedTest
+    @CsvSource({"si-f64, 1e-12", "si-f32, 1e-5"})
+    void holdExactlyTheTurnedCornersOfEachShape(String prototype, double tolerance) {
+        long seed = System.nanoTime();
+        System.out.println("BoundingBoxesTest " + prototype + " seed " + seed);
+        var random = new Random(seed);
+        World world = world(prototype);
+        for (int i = 0; i < 300; i++) {
+            world.add(ItemDefinition.named("b" + i).shape(shape(random, i % 4))
+                    .at(number(random), number(random), number(random))
+                    .orientation(number(random), number(random), number(random), 0.1).build());
+        }
+        BoundingBoxes.update(world);
+        for (Item item : world.items()) {
+            if (!item.physical().isEmpty()) {
+                double[][] expected = turnedCorners(item);
+                assertThat(item.physical().boundsMin()).as("seed %d %s", seed, item)
+                        .containsExactly(expected[0], within(tolerance));
+                assertThat(item.physical().boundsMax()).as("seed %d %s", seed, item)
+                        .containsExactly(expected[1], within(tolerance));
+            }
+        }
+    }
+
+    @Test
+    void aQuarterTurnSwapsTheSidesOfABox() {
+        World world = world("si-f64");
+        double half = Math.sqrt(0.5);
+        Item box = world.add(ItemDefinition.named("box").shape(Shape.box(2, 4, 6)).at(10, 0, 0)
+                .orientation(0, 0, half, half).build());
+        BoundingBoxes.update(world);
+        assertThat(box.physical().boundsMin()).containsExactly(new double[] {8, -1, -3},
+                within(1e-12));
+        assertThat(box.physical().boundsMax()).containsExactly(new double[] {12, 1, 3},
+                within(1e-12));
+    }
+
+    @Test
+    void aShapelessItemIsAPointAndATurnedSphereStaysASphere() {
+        World world = world("si-f64");
+        Item point = world.add(ItemDefinition.named("point").at(1, 2, 3).build());
+        Item ball = world.add(ItemDefinition.named("ball").shape(Shape.sphere(2)).at(1, 2, 3)
+                .orientation(1, 2, 3, 4).build());
+        BoundingBoxes.update(world);
+        assertThat(point.physical().boundsMin()).containsExactly(1, 2, 3);
+        assertThat(point.physical().boundsMax()).containsExactly(1, 2, 3);
+        assertThat(ball.physical().boundsMin()).containsExactly(-1, 0, 1);
+        assertThat(ball.physical().boundsMax()).containsExactly(3, 4, 5);
+    }
+
+    @Test
+    void areKeptInEveryFrameFromFrameZeroOn() {
+        World world = world("si-f64");
+        Item ball = world.add(ItemDefinition.named("ball").shape(Shape.sphere(1)).build());
+        var bus = new FrameBus();
+        BoundingBoxes.subscribeTo(bus);
+        var loop = new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST);
+        loop.run(0);
+        assertThat(ball.physical().boundsMax()).containsExactly(1, 1, 1);
+        ball.physical().setLocation(5, 5, 5);
+        assertThat(ball.physical().boundsMax()).containsExactly(1, 1, 1);
+        loop.step();
+        assertThat(ball.physical().boundsMax()).containsExactly(6, 6, 6);
+    }
+
+    private static Shape shape(Random random, int which) {
+        return switch (which) {
+            case 0 -> Shape.sphere(0.1 + random.nextDouble());
+            case 1 -> Shape.box(0.1 + random.nextDouble(), 2, 0.1 + random.nextDouble());
+            case 2 -> Shape.plane(0.1 + random.nextDouble(), 3);
+            default -> Shape.mesh(new float[] {
+                1, 1, 1, 2, random.nextFloat(), 1, 1, 5, 3 + random.nextFloat()
+            }, new int[] {0, 1, 2});
+        };
+    }
+
+    private static double number(Random random) {
+        return random.nextDouble(-1, 1);
+    }
+
+    /** Lowest and highest coordinates of the eight turned corners; of a sphere, around its centre. */
+    private static double[][] turnedCorners(Item item) {
+        double[] at = item.physical().location();
+        Shape shape = item.physical().shape();
+        double[] low = {Double.MAX_VALUE, Double.MAX_VALUE, Double.MAX_VALUE};
+        double[] high = {-Double.MAX_VALUE, -Double.MAX_VALUE, -Double.MAX_VALUE};
+        for (int corner = 0; corner < 8; corner++) {
+            double[] own = new double[3];
+            for (int axis = 0; axis < 3; axis++) {
+                boolean upper = (corner >> axis & 1) == 1;
+                double half = shape.size(axis) / 2;
+                own[axis] = shape instanceof Mesh mesh ? (upper ? mesh.max(axis) : mesh.min(axis))
+                        : upper ? half : -half;
+            }
+            double[] turned = shape instanceof Shape.Sphere ? own
+                    : turn(item.physical().orientation(), own);
+            for (int axis = 0; axis < 3; axis++) {
+                low[axis] = Math.min(low[axis], at[axis] + turned[axis]);
+                high[axis] = Math.max(high[axis], at[axis] + turned[axis]);
+            }
+        }
+        return new double[][] {low, high};
+    }
+
+    /** v + 2 u x (u x v + w v), the definition of turning by a unit quaternion (u, w). */
+    private static double[] turn(double[] q, double[] v) {
+        double[] u = {q[0], q[1], q[2]};
+        double[] inner = cross(u, v);
+        for (int i = 0; i < 3; i++) {
+            inner[i] += q[3] * v[i];
+        }
+        double[] outer = cross(u, inner);
+        return new double[] {v[0] + 2 * outer[0], v[1] + 2 * outer[1], v[2] + 2 * outer[2]};
+    }
+
+    private static double[] cross(double[] a, double[] b) {
+        return new double[] {
+            a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+        };
+    }
+}

@@ -1,0 +1,156 @@
+package reve.core.frame;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.List;
+import java.util.Random;
+import java.util.concurrent.ExecutorService;
+import java.util.concurrent.Executors;
+import java.util.concurrent.Future;
+import java.util.concurrent.atomic.AtomicInteger;
+import org.junit.jupiter.api.Test;
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
+
+class CommandQueueTest {
+
+    private final World world =
+            new World("test", WorldPrototype.standard("si-f64"), new OffHeapArena());
+    private final FrameBus bus = new FrameBus();
+    private final FrameLoop loop = new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST);
+    private final List<String> done = new ArrayList<>();
+
+    private record Note(String origin, long sequence, List<String> into) implements Command {
+        @Override
+        public void execute(World world, FrameEvent event) {
+            assertThat(event.phase()).isEqualTo(FramePhase.ACT);
+            into.add(origin + sequence);
+        }
+    }
+
+    private CommandQueue queue(int capacity) {
+        var queue = new CommandQueue(capacity);
+        queue.subscribeTo(bus);
+        return queue;
+    }
+
+    @Test
+    void orderDependsOnOriginAndSequenceNotOnArrival() {
+        long seed = System.nanoTime();
+        System.out.println("CommandQueueTest seed " + seed);
+        CommandQueue queue = queue(100);
+        List<Command> commands = new ArrayList<>();
+        List<String> expected = new ArrayList<>();
+        for (String origin : List.of("ada", "bob", "laws-folder")) {
+            for (int i = 1; i <= 20; i++) {
+                commands.add(new Note(origin, i, done));
+                expected.add(origin + i);
+            }
+        }
+        var random = new Random(seed);
+        for (int round = 0; round < 10; round++) {
+            Collections.shuffle(commands, random);
+            done.clear();
+            commands.forEach(command -> assertThat(queue.offer(command)).isTrue());
+            loop.step();
+            assertThat(done).as("seed %d", seed).isEqualTo(expected);
+        }
+    }
+
+    @Test
+    void aCommandIsExecutedOnceInTheNextFrame() {
+        CommandQueue queue = queue(10);
+        queue.offer(new Note("a", 1, done));
+        loop.step();
+        loop.step();
+        assertThat(done).containsExactly("a1");
+    }
+
+    @Test
+    void whatIsOfferedDuringAFrameBelongsToTheNext() {
+        CommandQueue queue = queue(10);
+        bus.subscribe(FramePhase.ACT, "late", event -> queue.offer(
+                new Note("f", event.frame(), done)));
+        loop.step();
+        assertThat(done).isEmpty();
+        loop.step();
+        assertThat(done).containsExactly("f1");
+    }
+
+    @Test
+    void aFullQueueRefusesUntilAFrameTookItsCommands() {
+        assertThatIllegalArgumentException().isThrownBy(() -> new CommandQueue(0));
+        CommandQueue queue = queue(2);
+        assertThat(queue.offer(new Note("a", 1, done))).isTrue();
+        assertThat(queue.offer(new Note("a", 2, done))).isTrue();
+        assertThat(queue.offer(new Note("a", 3, done))).isFalse();
+        loop.step();
+        assertThat(done).containsExactly("a1", "a2");
+        assertThat(queue.offer(new Note("a", 4, done))).isTrue();
+    }
+
+    @Test
+    void aThrowingCommandHarmsNoOtherAndIsReported() {
+        List<WorldEvent> faults = new ArrayList<>();
+        bus.subscribe(FramePhase.PUBLISH, "reader", event -> faults.addAll(event.world().events()));
+        CommandQueue queue = queue(10);
+        queue.offer(new Note("a", 1, done));
+        queue.offer(new Command() {
+            @Override
+            public String origin() {
+                return "a";
+            }
+
+            @Override
+            public long sequence() {
+                return 2;
+            }
+
+            @Override
+            public void execute(World ignored, FrameEvent event) {
+                throw new IllegalArgumentException("no such thing");
+            }
+        });
+        queue.offer(new Note("a", 3, done));
+        loop.step();
+        assertThat(done).containsExactly("a1", "a3");
+        assertThat(faults).singleElement().satisfies(fault -> assertThat(fault.fields())
+                .containsEntry("source", "command of a").containsEntry("message", "no such thing"));
+    }
+
+    @Test
+    void manyThreadsLoseAndDuplicateNothing() throws Exception {
+        CommandQueue queue = queue(64);
+        var refused = new AtomicInteger();
+        try (ExecutorService senders = Executors.newFixedThreadPool(4)) {
+            List<Future<?>> all = new ArrayList<>();
+            for (String origin : List.of("a", "b", "c", "d")) {
+                all.add(senders.submit(() -> {
+                    for (int i = 0; i < 2000; i++) {
+                        while (!queue.offer(new Note(origin, i, done))) {
+                            refused.incrementAndGet();
+                            Thread.onSpinWait();
+                        }
+                    }
+                }));
+            }
+            while (!all.stream().allMatch(Future::isDone)) {
+                loop.step();
+            }
+            for (Future<?> one : all) {
+                one.get();
+            }
+        }
+        loop.step();
+        assertThat(done).hasSize(8000).doesNotHaveDuplicates();
+        List<String> ofA = done.stream().filter(note -> note.startsWith("a")).toList();
+        for (int i = 0; i < 2000; i++) {
+            assertThat(ofA.get(i)).isEqualTo("a" + i);
+        }
+    }
+}

@@ -1,0 +1,189 @@
+package reve.core.frame;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+
+import java.util.ArrayList;
+import java.util.List;
+import org.junit.jupiter.api.Test;
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+class FrameLoopTest {
+
+    private static final long MILLISECOND = 1_000_000;
+
+    private final World world =
+            new World("test", WorldPrototype.standard("si-f64"), new OffHeapArena());
+    private final FrameBus bus = new FrameBus();
+    private final ManualClock clock = new ManualClock();
+    private final List<Long> starts = new ArrayList<>();
+
+    /** Time passes only when somebody waits or works. */
+    private static final class ManualClock implements FrameClock {
+        private long now = 123_456_789;
+        private long divisor = 1;
+
+        @Override
+        public long nanoTime() {
+            return now;
+        }
+
+        @Override
+        public void park(long nanoseconds) {
+            now += Math.max(1, nanoseconds / divisor);
+        }
+    }
+
+    private FrameLoop loop(Timing timing, Pacing pacing) {
+        return new FrameLoop(world, bus, timing, pacing, clock);
+    }
+
+    private void noteStarts() {
+        long origin = clock.now;
+        bus.subscribe(FramePhase.INTAKE, "starts", event -> starts.add(clock.now - origin));
+    }
+
+    @Test
+    void timeIsAProductOfTheFrameNumber() {
+        var timing = new Timing(60, 4);
+        assertThat(timing.dtSeconds()).isEqualTo(1.0 / 240);
+        assertThat(timing.timeSeconds(300)).isEqualTo(1200 * (1.0 / 240));
+        List<Double> times = new ArrayList<>();
+        bus.subscribe(FramePhase.PHYSICS, "times", event -> {
+            assertThat(event.dtSeconds()).isEqualTo(1.0 / 240);
+            assertThat(event.steps()).isEqualTo(4);
+            assertThat(event.world()).isSameAs(world);
+            times.add(event.timeSeconds());
+        });
+        loop(timing, Pacing.FAST).run(3);
+        assertThat(times).containsExactly(4 * (1.0 / 240), 8 * (1.0 / 240), 12 * (1.0 / 240));
+    }
+
+    @Test
+    void timingRefusesWhatMakesNoTime() {
+        assertThatIllegalArgumentException().isThrownBy(() -> new Timing(0, 1));
+        assertThatIllegalArgumentException().isThrownBy(() -> new Timing(60, 0));
+        assertThatIllegalArgumentException().isThrownBy(() -> new Timing(10_001, 1));
+    }
+
+    @Test
+    void realTimeStartsEveryFrameOnTheGridAndNeverDrifts() {
+        noteStarts();
+        bus.subscribe(FramePhase.PHYSICS, "work", event -> clock.now += 3 * MILLISECOND);
+        clock.divisor = 3;
+        FrameLoop loop = loop(new Timing(60, 1), Pacing.REAL_TIME);
+        loop.run(601);
+        for (int i = 0; i < 601; i++) {
+            assertThat(starts.get(i)).isEqualTo(i * 1_000_000_000L / 60);
+        }
+        assertThat(loop.profile().overruns()).isZero();
+        assertThat(loop.profile().droppedFrames()).isZero();
+    }
+
+    @Test
+    void aShortStallIsCaughtUpWithoutLosingTime() {
+        noteStarts();
+        bus.subscribe(FramePhase.PHYSICS, "stall", event ->
+                clock.now += event.frame() == 10 ? 50 * MILLISECOND : MILLISECOND);
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        loop.run(30);
+        assertThat(starts.get(9)).isEqualTo(90 * MILLISECOND);
+        assertThat(starts.get(10)).isEqualTo(140 * MILLISECOND);
+        assertThat(starts.get(11)).isEqualTo(141 * MILLISECOND);
+        assertThat(starts.get(20)).isEqualTo(200 * MILLISECOND);
+        assertThat(loop.profile().overruns()).isBetween(4L, 5L);
+        assertThat(loop.profile().droppedFrames()).isZero();
+    }
+
+    @Test
+    void aLongStallIsCaughtUpByFourFramesOnlyAndCounted() {
+        noteStarts();
+        bus.subscribe(FramePhase.PHYSICS, "stall", event ->
+                clock.now += event.frame() == 1 ? 1000 * MILLISECOND : 0);
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        loop.run(12);
+        long end = 1000 * MILLISECOND;
+        assertThat(starts.stream().filter(start -> start == end)).hasSize(5);
+        assertThat(starts.get(6)).isEqualTo(end + 10 * MILLISECOND);
+        assertThat(starts.get(7)).isEqualTo(end + 20 * MILLISECOND);
+        assertThat(loop.profile().droppedFrames()).isEqualTo(95);
+    }
+
+    @Test
+    void overloadIsShownAndFramesGoOnBackToBack() {
+        noteStarts();
+        bus.subscribe(FramePhase.PHYSICS, "work", event -> clock.now += 20 * MILLISECOND);
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        loop.run(100);
+        assertThat(starts.get(99)).isEqualTo(99 * 20 * MILLISECOND);
+        assertThat(loop.profile().overruns()).isEqualTo(100);
+        assertThat(loop.profile().droppedFrames()).isBetween(90L, 100L);
+    }
+
+    @Test
+    void fastNeverWaits() {
+        noteStarts();
+        FrameLoop loop = loop(new Timing(60, 1), Pacing.FAST);
+        loop.run(1000);
+        assertThat(starts).hasSize(1000).containsOnly(0L);
+        assertThat(loop.frame()).isEqualTo(1000);
+        assertThat(loop.profile().overruns()).isZero();
+    }
+
+    @Test
+    void profileTellsWhereTheTimeWent() {
+        bus.subscribe(FramePhase.ACT, "a", event -> clock.now += 10);
+        bus.subscribe(FramePhase.PHYSICS, "x", event -> clock.now += 500);
+        bus.subscribe(FramePhase.DERIVE, "d", event -> clock.now += event.frame() == 0 ? 0 : 7);
+        FrameLoop loop = loop(new Timing(60, 1), Pacing.REAL_TIME);
+        loop.run(20);
+        FrameProfile profile = loop.profile();
+        assertThat(profile.frames()).isEqualTo(20);
+        assertThat(profile.busyNanoseconds()).isEqualTo(20 * 517);
+        assertThat(profile.phaseNanoseconds()).containsEntry(FramePhase.INTAKE, 0L)
+                .containsEntry(FramePhase.ACT, 200L).containsEntry(FramePhase.PHYSICS, 10_000L)
+                .containsEntry(FramePhase.DERIVE, 140L);
+    }
+
+    @Test
+    void stopFromAnotherThreadEndsTheRunForGood() throws InterruptedException {
+        var loop = new FrameLoop(world, bus, new Timing(1, 1), Pacing.REAL_TIME);
+        Thread runner = new Thread(loop::run);
+        bus.subscribe(FramePhase.PUBLISH, "stopper", event -> {
+            if (event.frame() == 1) {
+                new Thread(loop::stop).start();
+            }
+        });
+        runner.start();
+        runner.join(60_000);
+        assertThat(runner.isAlive()).isFalse();
+        world.claim();
+        long frame = loop.frame();
+        loop.run(5);
+        assertThat(loop.frame()).isEqualTo(frame);
+        loop.step();
+        assertThat(loop.frame()).isEqualTo(frame + 1);
+    }
+
+    @Test
+    void anInterruptedThreadEndsTheRunAndStaysInterrupted() {
+        bus.subscribe(FramePhase.ACT, "interrupter", event -> Thread.currentThread().interrupt());
+        FrameLoop loop = loop(new Timing(60, 1), Pacing.REAL_TIME);
+        loop.run(5);
+        assertThat(Thread.interrupted()).isTrue();
+        assertThat(loop.frame()).isEqualTo(1);
+    }
+
+    @Test
+    void theThreadThatRunsTheLoopOwnsTheWorld() throws InterruptedException {
+        List<Boolean> found = new ArrayList<>();
+        bus.subscribe(FramePhase.ACT, "finder", event ->
+                found.add(event.world().find("world").isPresent()));
+        Thread runner = new Thread(() -> loop(Timing.DEFAULT, Pacing.FAST).run(1));
+        runner.start();
+        runner.join();
+        assertThat(found).containsExactly(true);
+    }
+}
