@@ -77,9 +77,9 @@ Extent Measure(const Scene& scene) {
     for (const Instance& instance : batch.instances) {
       const Ball ball{instance.position - scene.camera.target,
                       Radius(batch.shape, instance.size, reach)};
-      if (instance.flags & kFade) continue;
       if (batch.shape == Shape::kPlane) {
-        extent.planes.push_back(ball);
+        if (instance.flags & kFade) extent.fades = true;
+        else extent.planes.push_back(ball);
         continue;
       }
       extent.items.push_back(ball);

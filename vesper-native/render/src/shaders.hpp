@@ -129,6 +129,7 @@ void main() {
   vec3 sky = mix(vec3(0.5, 0.49, 0.48), vec3(1.0), 0.5 + 0.5 * n.y) * ambient;
   vec3 lit = colour * (sky + sun);
 #ifndef PLANE
+  lit += 0.18 * ambient * colour * dot(n, to_light);  // sides in shadow differ, too
   float gloss = pow(max(dot(n, normalize(to_light + to_eye)), 0.0), 48.0);
   lit += 0.22 * gloss * open * smoothstep(0.0, 0.15, dot(n, to_light));
 #endif

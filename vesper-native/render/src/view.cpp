@@ -72,9 +72,9 @@ void View::FitDepth(const Extent& extent) {
       depth.Include(centre - ball.radius, centre + ball.radius);
     }
   }
-  const float target = eye_.norm(), reach = kFadeEnd * fade_radius_;
-  depth.Include(target - (orthographic_ ? reach : 0), target + reach);
-  const float margin = 0.01F * (depth.high - depth.low);
+  const float target = eye_.norm(), reach = extent.fades ? kFadeEnd * fade_radius_ : 0;
+  depth.Include(target - reach, target + reach);
+  const float margin = 0.01F * (depth.high - depth.low) + 1e-3F * fade_radius_;
   far_ = depth.high + margin;
   near_ = depth.low - margin;
   if (!orthographic_) near_ = std::max(near_, far_ * kNearestToFarthest);

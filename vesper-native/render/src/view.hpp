@@ -26,6 +26,7 @@ struct Extent {
   std::vector<Ball> items;    ///< all that has a definite size but planes
   std::vector<Ball> casters;  ///< those of them that cast shadows
   std::vector<Ball> planes;   ///< planes that do not fade
+  bool fades = false;         ///< there are planes that do
   /// Distance [m] from the target to the far side of the farthest item, 0 without items.
   float Radius() const;
 };

@@ -1,0 +1,105 @@
+// Writes the scene stream of SCENE.md, independently of the decoder under test.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace vesper::render::test {
+
+/// The bytes of one message, value by value.
+class Message {
+ public:
+  explicit Message(uint32_t type) : type_(type) {}
+
+  template <class T>
+  Message& Put(T value) {
+    payload_.append(reinterpret_cast<const char*>(&value), sizeof value);
+    return *this;
+  }
+  Message& U32(uint32_t value) { return Put(value); }
+  Message& F32(float value) { return Put(value); }
+  Message& Text(std::string_view text) { return payload_.append(text), *this; }
+
+  const std::string& payload() const { return payload_; }
+  std::string Bytes() const {
+    const std::array<uint32_t, 2> header{type_, static_cast<uint32_t>(payload_.size())};
+    std::string bytes(reinterpret_cast<const char*>(header.data()), sizeof header);
+    return bytes + payload_;
+  }
+
+ private:
+  uint32_t type_;
+  std::string payload_;
+};
+
+using Vec3 = std::array<float, 3>;
+using Rgba = std::array<uint8_t, 4>;
+
+struct Item {
+  Vec3 position{}, size{1, 1, 1};
+  Rgba colour{200, 200, 200, 255};
+  uint32_t flags = 0;
+  std::array<float, 4> orientation{0, 0, 0, 1};
+};
+
+inline Message Hello() { return Message(1).Text("VSCN").U32(1); }
+
+inline Message Image(uint32_t width, uint32_t height, uint32_t samples, uint32_t flags) {
+  return Message(2).U32(width).U32(height).U32(samples).U32(flags);
+}
+
+inline Message Perspective(Vec3 eye, Vec3 target, float vertical_fov, Vec3 up = {0, 1, 0}) {
+  return Message(3).U32(0).Put(eye).Put(target).Put(up).F32(vertical_fov);
+}
+
+inline Message Orthographic(Vec3 eye, Vec3 target, float height, Vec3 up = {0, 1, 0}) {
+  return Message(3).U32(1).Put(eye).Put(target).Put(up).F32(height);
+}
+
+inline Message Environment(Rgba top, Rgba bottom, Vec3 to_light, float light, float ambient) {
+  return Message(4).Put(top).Put(bottom).Put(to_light).F32(light).F32(ambient);
+}
+
+inline Message Mesh(uint32_t id, const std::vector<Vec3>& positions,
+                    const std::vector<std::array<uint32_t, 3>>& triangles) {
+  Message message(5);
+  message.U32(id).U32(static_cast<uint32_t>(positions.size()));
+  message.U32(static_cast<uint32_t>(triangles.size())).U32(0);
+  for (const auto& position : positions) message.Put(position);
+  for (const auto& triangle : triangles) message.Put(triangle);
+  return message;
+}
+
+inline Message Instances(uint32_t shape, const std::vector<Item>& items, uint32_t mesh = 0) {
+  Message message(6);
+  message.U32(shape).U32(mesh).U32(static_cast<uint32_t>(items.size()));
+  for (const Item& item : items) message.Put(item.position);
+  for (const Item& item : items) message.Put(item.orientation);
+  for (const Item& item : items) message.Put(item.size);
+  for (const Item& item : items) message.Put(item.colour);
+  for (const Item& item : items) message.Put(item.flags);
+  return message;
+}
+
+struct Line {
+  Vec3 from, to;
+  Rgba colour{0, 0, 0, 255};
+};
+
+inline Message Segments(const std::vector<Line>& lines, float width) {
+  Message message(7);
+  message.U32(static_cast<uint32_t>(lines.size())).F32(width);
+  for (const Line& line : lines) message.Put(line.from);
+  for (const Line& line : lines) message.Put(line.to);
+  for (const Line& line : lines) message.Put(line.colour);
+  return message;
+}
+
+inline Message RenderToAnswer() { return Message(8).U32(0); }
+inline Message RenderToFile(std::string_view path) { return Message(8).U32(1).Text(path); }
+
+}  // namespace vesper::render::test
