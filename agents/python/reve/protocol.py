@@ -13,7 +13,7 @@ from .errors import ProtocolError
 
 VERSION = 1
 
-Value = Union[str, float, bool]
+Value = Union[str, float, bool, List[float]]
 """A symbol's or an event field's value."""
 Argument = Union[str, bool, float, Sequence[float]]
 """An argument of an action, in the unit that the action declares."""

@@ -63,7 +63,7 @@ public final class AgentServer implements AutoCloseable {
         this.config = config;
         this.port = port;
         this.socket = socket;
-        this.publisher = new Publisher(port, counters, log, this::queueLeaving);
+        this.publisher = new Publisher(port, log, this::queueLeaving);
         this.bodies = new Bodies(port.agents());
         this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
         this.acceptor = Thread.ofVirtual().name("agent acceptor").unstarted(this::accept);

@@ -1,12 +1,14 @@
 package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
+import java.util.concurrent.atomic.LongAdder;
 import reve.core.agent.Outbox.Line;
 
 /** What one agent has asked to perceive. Asked by its reader, served by the publisher. */
 final class PerceptionRequests {
 
     private final Outbox outbox;
+    private final LongAdder served;
     private boolean once;
     private long onceId;
     private long onceFrom;
@@ -15,8 +17,10 @@ final class PerceptionRequests {
     private long everyFrom;
     private long notBefore;
 
-    PerceptionRequests(Outbox outbox) {
+    /** @param served counts the perceptions handed over */
+    PerceptionRequests(Outbox outbox, LongAdder served) {
         this.outbox = outbox;
+        this.served = served;
     }
 
     /**
@@ -49,25 +53,18 @@ final class PerceptionRequests {
         return frame >= notBefore && (isOnceDue(frame) || isEveryDue(frame));
     }
 
-    /**
-     * Hands over what is due in a frame.
-     *
-     * @param body the frame's items
-     * @return how many perceptions were handed over
-     */
-    synchronized int serve(long frame, byte[] body) {
-        int served = 0;
+    /** Hands over what is due in a frame, whose items the body holds. */
+    synchronized void serve(long frame, byte[] body) {
         if (frame >= notBefore && isOnceDue(frame)) {
+            served.increment();
             outbox.offerAnswer(new Line(head(onceId), body));
             once = false;
-            served++;
         }
         if (frame >= notBefore && isEveryDue(frame)) {
+            served.increment();
             outbox.offerLatest(new Line(head(everyId), body));
             everyFrom = frame + every;
-            served++;
         }
-        return served;
     }
 
     private boolean isOnceDue(long frame) {

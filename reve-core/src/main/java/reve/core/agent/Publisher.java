@@ -23,7 +23,6 @@ final class Publisher {
     private static final int MAX_EVENT_FRAMES = 1024;
 
     private final WorldPort port;
-    private final Counters counters;
     private final RateLimitedLog log;
     private final Runnable afterFrame;
     private final PerceptionEncoder encoder = new PerceptionEncoder();
@@ -38,9 +37,8 @@ final class Publisher {
     private long served;
 
     /** @param afterFrame what else is to be done when a frame has passed, on the publisher's thread */
-    Publisher(WorldPort port, Counters counters, RateLimitedLog log, Runnable afterFrame) {
+    Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame) {
         this.port = port;
-        this.counters = counters;
         this.log = log;
         this.afterFrame = afterFrame;
         this.thread = Thread.ofPlatform().name("agent publisher").daemon().unstarted(this::run);
@@ -162,7 +160,7 @@ final class Publisher {
                     return; // overwritten while we read: the next frame is here already
                 }
                 for (Session member : members) {
-                    counters.perceptions.add(member.perceptions().serve(frame, body.get()));
+                    member.perceptions().serve(frame, body.get());
                 }
             }
             served = frame;

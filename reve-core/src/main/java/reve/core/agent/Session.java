@@ -48,7 +48,7 @@ final class Session {
         this.counters = server.counters();
         this.socket = socket;
         this.outbox = new Outbox(config.outboxMessages(), config.outboxBytes());
-        this.perceptions = new PerceptionRequests(outbox);
+        this.perceptions = new PerceptionRequests(outbox, counters.perceptions);
         this.reader = Thread.ofVirtual().name("agent reader").unstarted(this::read);
         this.writer = Thread.ofVirtual().name("agent writer").unstarted(this::write);
     }

@@ -1,0 +1,277 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.time.Duration;
+import java.util.ArrayList;
+import java.util.HexFormat;
+import java.util.List;
+import java.util.Random;
+import java.util.function.Function;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.EnumSource;
+import org.junit.jupiter.params.provider.MethodSource;
+import reve.core.world.ItemDefinition;
+import tools.jackson.databind.JsonNode;
+
+/** One bad client harms nobody: it gets a reason and goes, and the others notice nothing. */
+class AgentLimitsTest {
+
+    private static final Duration NEVER = Duration.ofMinutes(5);
+    private static final Duration SOON = Duration.ofMillis(150);
+    private static final String HELLO = "{'t':'hello','protocol':1,'name':'%s'}";
+
+    // ---- too slow, too long, too silent ----
+
+    @Test
+    void whoSaysNoHelloInTimeIsCut() throws IOException {
+        try (AgentRoom room = new AgentRoom(AgentRoom.config(SOON, NEVER, NEVER, NEVER));
+                TestClient silent = room.connect(); TestClient chatty = room.connect()) {
+            chatty.say("{'t':'ping'}").expect("error", "hello-expected");
+            chatty.expectBye("hello-late");
+            silent.expectBye("hello-late");
+            assertThat(room.server.stats().cut()).isEqualTo(2);
+        }
+    }
+
+    @Test
+    void aHelloHasToFitIntoItsLimit() throws IOException {
+        try (AgentRoom room = new AgentRoom(); TestClient client = room.connect()) {
+            client.send("x".repeat(8192).getBytes(StandardCharsets.US_ASCII)).send(new byte[] {'x'});
+            client.expectBye("hello-too-long");
+        }
+    }
+
+    @Test
+    void aLineOfTheLongestLengthPassesAndOneByteMoreIsCut() throws IOException {
+        AgentServerConfig config = AgentRoom.config(NEVER, NEVER, NEVER, NEVER);
+        try (AgentRoom room = new AgentRoom(config); TestClient ada = room.join("ada")) {
+            String ping = "{\"t\":\"ping\"}";
+            String padded = ping + " ".repeat(config.lineBytes() - ping.length() - 1);
+            ada.say(padded).expect("pong");
+            ada.say(padded + "  ").expectBye("line-too-long");
+        }
+    }
+
+    @Test
+    void aLineThatIsNeverFinishedIsCut() throws IOException {
+        try (AgentRoom room = new AgentRoom(AgentRoom.config(NEVER, SOON, NEVER, NEVER));
+                TestClient ada = room.join("ada")) {
+            ada.send("{\"t\":".getBytes(StandardCharsets.US_ASCII)).expectBye("line-late");
+            room.stepUntil("its body is gone", () -> !room.has("ada"));
+        }
+    }
+
+    @Test
+    void whoIsSilentIsPingedAndWhoDoesNotAnswerIsCut() throws IOException {
+        try (AgentRoom room = new AgentRoom(AgentRoom.config(NEVER, NEVER, SOON, NEVER));
+                TestClient ada = room.join("ada")) {
+            for (int i = 0; i < 3; i++) {
+                ada.expect("ping");
+                ada.say("{'t':'pong'}");
+            }
+            ada.sync();
+            ada.expect("ping");
+            ada.expectBye("idle");
+        }
+    }
+
+    @Test
+    void whoLetsMessagesPileUpIsCutAndTheOthersNoticeNothing() throws IOException {
+        try (AgentRoom room = new AgentRoom(AgentRoom.config(NEVER, NEVER, NEVER, NEVER));
+                TestClient greedy = new TestClient(room.server.address(), 4096);
+                TestClient ada = room.connect()) {
+            greedy.say(HELLO.formatted("greedy")).sync();
+            room.step();
+            ada.say(HELLO.formatted("ada")).sync();
+            room.step();
+            ada.expect("welcome");
+            ada.expect("event");
+            floodUntilCut(room, greedy);
+            room.stepUntil("its body is gone", () -> !room.has("greedy"));
+            assertThat(room.server.stats().cut()).isEqualTo(1);
+            ada.say("{'t':'perceive','id':1}").sync();
+            room.step();
+            JsonNode message = ada.next();
+            assertThat(message.at("/fields/reason").asString("")).isEqualTo("too-slow");
+            assertThat(ada.expect("perception").get("id").longValue()).isEqualTo(1);
+        }
+    }
+
+    /** Asks and never reads, until the server has had enough. */
+    private static void floodUntilCut(AgentRoom room, TestClient greedy) {
+        byte[] pings = "{\"t\":\"ping\",\"id\":1}\n".repeat(1000).getBytes(StandardCharsets.US_ASCII);
+        try {
+            while (room.server.stats().cut() == 0) {
+                greedy.send(pings);
+            }
+        } catch (IOException e) {
+            assertThat(room.server.stats().cut()).as("%s", e).isEqualTo(1);
+        }
+    }
+
+    @Test
+    void whoNeverReadsItsPerceptionsIsCutByTheWriteDeadline() throws IOException {
+        try (AgentRoom room = new AgentRoom(AgentRoom.config(NEVER, NEVER, NEVER, SOON))) {
+            for (int i = 0; i < 3000; i++) {
+                room.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
+            }
+            try (TestClient blind = new TestClient(room.server.address(), 4096)) {
+                blind.say(HELLO.formatted("blind")).say("{'t':'perceive','every':1}").sync();
+                room.stepUntil("it has been cut", () -> room.server.stats().cut() == 1);
+                room.stepUntil("its body is gone", () -> !room.has("blind"));
+                room.stepUntil("its connection is gone", () -> room.server.stats().open() == 0);
+            }
+        }
+    }
+
+    // ---- garbage ----
+
+    static List<JsonNode> refusedLines() {
+        return Vectors.lines("refused.jsonl");
+    }
+
+    @ParameterizedTest
+    @MethodSource("refusedLines")
+    void aRefusedLineCostsOneErrorAndNothingElse(JsonNode vector) throws IOException {
+        byte[] line = vector.has("bytes") ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
+                : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
+        try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
+            ada.send(line).send(new byte[] {'\n'});
+            ada.expect("error", vector.get("code").stringValue());
+            ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
+            room.step();
+            assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
+        }
+    }
+
+    @Test
+    void eightRefusedLinesEndTheConnection() throws IOException {
+        try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
+            for (int i = 0; i < 8; i++) {
+                ada.say("GET / HTTP/1.1");
+                ada.expect("error", "bad-json");
+            }
+            ada.expectBye("too-many-errors");
+        }
+    }
+
+    private enum Garbage {
+        NOISE(random -> {
+            byte[] bytes = new byte[random.nextInt(1, 3000)];
+            random.nextBytes(bytes);
+            return bytes;
+        }),
+        MUTANTS(random -> {
+            byte[] bytes = ("{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\"}\n{\"t\":\"act\",\"id\":1,\"item\":"
+                    + "\"duck\",\"action\":\"push\",\"arguments\":{\"impulse\":[1,2,3]}}\n").repeat(3)
+                    .getBytes(StandardCharsets.UTF_8);
+            for (int i = random.nextInt(1, 20); i > 0; i--) {
+                bytes[random.nextInt(bytes.length)] = (byte) random.nextInt(256);
+            }
+            return bytes;
+        }),
+        NESTING(random -> ("{\"x\":".repeat(random.nextInt(1, 2000)) + "\n").getBytes(StandardCharsets.UTF_8)),
+        NUMBERS(random -> ("{\"t\":\"ping\",\"id\":" + random.nextInt(10) + "e" + random.nextInt(-99999, 99999)
+                + "}\n").getBytes(StandardCharsets.UTF_8)),
+        NEWLINES(random -> "\n".repeat(random.nextInt(1, 4000)).getBytes(StandardCharsets.UTF_8));
+
+        private final Function<Random, byte[]> bytes;
+
+        Garbage(Function<Random, byte[]> bytes) {
+            this.bytes = bytes;
+        }
+    }
+
+    @ParameterizedTest
+    @EnumSource
+    void garbageOfEveryKindIsAnsweredOrCutAndTheNextClientIsServed(Garbage kind) throws IOException {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("seed of garbage " + kind + ": -Dreve.test.seed=" + seed);
+        Random random = new Random(seed);
+        try (AgentRoom room = new AgentRoom()) {
+            for (int i = 0; i < 100; i++) {
+                try (TestClient client = room.connect()) {
+                    client.send(kind.bytes.apply(random));
+                    client.socket.shutdownOutput();
+                    room.step();
+                    drain(client, room);
+                } catch (IOException e) {
+                    // A reset: the server was done with it before it was done sending.
+                }
+            }
+            room.stepUntil("all are gone", () -> room.server.stats().open() == 0 && !room.has("eve"));
+            room.join("ada").close();
+        }
+    }
+
+    /** Every line that comes back is a message of the protocol, until the end. */
+    private static void drain(TestClient client, AgentRoom room) throws IOException {
+        JsonNode message = client.next();
+        while (!message.get("t").stringValue().equals("bye")) {
+            assertThat(message.get("t").stringValue()).isIn("error", "welcome", "event", "result", "pong");
+            room.step();
+            message = client.next();
+        }
+    }
+
+    // ---- many ----
+
+    @Test
+    void twoHundredAgentsPerceiveActAndLeaveTogether() throws IOException {
+        int count = 200;
+        try (AgentRoom room = new AgentRoom()) {
+            List<TestClient> agents = new ArrayList<>();
+            for (int i = 0; i < count; i++) {
+                agents.add(room.connect().say(HELLO.formatted("agent" + i)).sync());
+            }
+            room.step();
+            for (TestClient agent : agents) {
+                agent.expect("welcome");
+                for (int i = 0; i < count; i++) {
+                    agent.expect("event");
+                }
+                agent.say("{'t':'perceive','id':1}")
+                        .say("{'t':'act','id':2,'item':'duck','action':'push','arguments':{'impulse':[2,0,0]}}").sync();
+            }
+            room.step();
+            for (TestClient agent : agents) {
+                assertThat(agent.expect("result").get("frame").longValue()).isEqualTo(2);
+                agent.say("{'t':'bye'}");
+            }
+            assertThat(room.item("duck").physics().vector("velocity")).containsExactly(count, 0, 0);
+            for (TestClient agent : agents) {
+                agent.skipToBye("goodbye");
+                agent.socket.close();
+            }
+            room.step();
+            assertThat(room.world.table("body").rowCount()).isEqualTo(1);
+            assertThat(room.server.stats().perceptions()).isEqualTo(count);
+            assertThat(room.server.stats().agents()).isZero();
+        }
+    }
+
+    @Test
+    void moreConnectionsThanAllowedAreTurnedAwayWithAReason() throws IOException {
+        AgentServerConfig config = with(AgentRoom.CONFIG, 2);
+        try (AgentRoom room = new AgentRoom(config); TestClient ada = room.join("ada");
+                TestClient second = room.connect()) {
+            second.say("{'t':'ping'}").expect("error");
+            try (TestClient third = room.connect()) {
+                third.expectBye("too-many-connections");
+            }
+            ada.say("{'t':'bye'}").expectBye("goodbye");
+            ada.socket.close();
+            room.stepUntil("there is room", () -> room.server.stats().open() == 1);
+            room.join("bob").close();
+        }
+    }
+
+    private static AgentServerConfig with(AgentServerConfig c, int maxConnections) {
+        return new AgentServerConfig(c.address(), maxConnections, c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
+                c.idle(), c.write(), c.linger(), c.actsInFlight(), c.outboxMessages(), c.outboxBytes(), c.maxErrors());
+    }
+}

@@ -1,0 +1,156 @@
+package reve.core.agent;
+
+import java.io.IOException;
+import java.net.InetAddress;
+import java.net.InetSocketAddress;
+import java.time.Duration;
+import java.util.List;
+import java.util.Optional;
+import java.util.concurrent.TimeUnit;
+import java.util.function.BooleanSupplier;
+import reve.core.access.Action;
+import reve.core.access.ActionCall;
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.access.Operand;
+import reve.core.access.Parameter;
+import reve.core.file.AgentPolicy;
+import reve.core.frame.CommandQueue;
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameLoop;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Pacing;
+import reve.core.frame.Timing;
+import reve.core.unit.Unit;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.OffHeapArena;
+import reve.core.world.Shape;
+import reve.core.world.SnapshotRing;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+/** The world of the protocol's example session, stepped by hand, with a real server on an ephemeral port. */
+final class AgentRoom implements AutoCloseable {
+
+    static final AgentServerConfig CONFIG = AgentServerConfig.onPort(0);
+
+    private static final Parameter IMPULSE = Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
+
+    final World world = new World("pond", WorldPrototype.standard("si-f64"), new OffHeapArena());
+    final CommandQueue commands;
+    final FrameLoop loop;
+    final AgentServer server;
+
+    AgentRoom() throws IOException {
+        this(CONFIG);
+    }
+
+    AgentRoom(AgentServerConfig config) throws IOException {
+        this(config, making(), 4096);
+    }
+
+    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity) throws IOException {
+        world.add(duck());
+        var bus = new FrameBus();
+        commands = new CommandQueue(commandCapacity);
+        commands.subscribeTo(bus);
+        var snapshots = new SnapshotRing(world, 3);
+        bus.subscribe(FramePhase.PUBLISH, "snapshots",
+                event -> snapshots.publish(event.frame(), event.timeSeconds()));
+        loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
+        server = AgentServer.start(config, new WorldPort(world.name(), 60, policy, bus, commands, snapshots));
+    }
+
+    static AgentPolicy lending(String... bodies) {
+        return new AgentPolicy(List.of(bodies), Optional.empty());
+    }
+
+    static AgentPolicy making() {
+        ItemDefinition body = ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5)).at(0, 0.5, 0).build();
+        return new AgentPolicy(List.of(), Optional.of(body));
+    }
+
+    static ItemDefinition duck() {
+        return ItemDefinition.named("duck").shape(Shape.sphere(0.25)).at(1, 0, -2.5).symbol("class", "toy")
+                .physics("mass", 2).physics("velocity", 0, 0, 0)
+                .action(new DeclaredAction("push", "Gives it a kick.", List.of(IMPULSE),
+                        List.of(new Effect.Impulse(new Operand.Argument(IMPULSE)))))
+                .action(new DeclaredAction("wind-up", "Winds its spring.", List.of(),
+                        List.of(new Effect.SetSymbol("wound", new Operand.Symbol(true)))))
+                .build();
+    }
+
+    /** Limits of milliseconds, for tests that wait until one is reached. */
+    static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
+        return new AgentServerConfig(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 1024, 8192, hello,
+                4096, line, idle, write, Duration.ofMillis(500), 4, 64, 64 * 1024, 8);
+    }
+
+    /** One frame. */
+    void step() {
+        loop.step();
+    }
+
+    /** Frames until something that other threads bring about is so. */
+    void stepUntil(String what, BooleanSupplier isSo) {
+        long deadline = System.nanoTime() + TimeUnit.SECONDS.toNanos(20);
+        while (!isSo.getAsBoolean()) {
+            if (System.nanoTime() > deadline) {
+                throw new AssertionError("not so after " + loop.frame() + " frames: " + what);
+            }
+            step();
+        }
+    }
+
+    Item item(String name) {
+        return world.find(name).orElseThrow(() -> new AssertionError("no item " + name));
+    }
+
+    boolean has(String name) {
+        return world.find(name).isPresent();
+    }
+
+    TestClient connect() throws IOException {
+        return new TestClient(server.address());
+    }
+
+    /** An agent that has been welcomed; takes one frame. */
+    TestClient join(String name) throws IOException {
+        TestClient client = connect().say("{'t':'hello','protocol':1,'name':'" + name + "'}").sync();
+        step();
+        client.expect("welcome");
+        client.expect("event");
+        return client;
+    }
+
+    @Override
+    public void close() {
+        server.close();
+    }
+
+    /** An action that an item's designer got wrong. */
+    static Action broken() {
+        return new Action() {
+            @Override
+            public String name() {
+                return "explode";
+            }
+
+            @Override
+            public String doc() {
+                return "Has an error.";
+            }
+
+            @Override
+            public List<Parameter> parameters() {
+                return List.of();
+            }
+
+            @Override
+            public void perform(ActionCall call) {
+                throw new IllegalStateException("an error in an action");
+            }
+        };
+    }
+}

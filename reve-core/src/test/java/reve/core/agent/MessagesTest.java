@@ -1,0 +1,168 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import java.nio.ByteBuffer;
+import java.nio.charset.StandardCharsets;
+import java.util.HexFormat;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Optional;
+import java.util.stream.Stream;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.MethodSource;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.ObjectNode;
+
+/** The protocol's test vectors, message by message. */
+class MessagesTest {
+
+    private static final JsonMapper JSON = new JsonMapper();
+
+    static Stream<JsonNode> clientMessages() {
+        return Vectors.lines("client.jsonl").stream();
+    }
+
+    static Stream<JsonNode> lenientClientMessages() {
+        return Vectors.lines("lenient.jsonl").stream()
+                .filter(vector -> vector.get("from").stringValue().equals("client"));
+    }
+
+    static Stream<JsonNode> serverMessages() {
+        return Vectors.lines("server.jsonl").stream()
+                .filter(message -> !message.get("t").stringValue().equals("perception"));
+    }
+
+    static Stream<JsonNode> refusedLines() {
+        return Vectors.lines("refused.jsonl").stream()
+                .filter(vector -> !vector.get("code").stringValue().equals("hello-again"));
+    }
+
+    @ParameterizedTest
+    @MethodSource("clientMessages")
+    void aClientsMessageIsUnderstood(JsonNode message) throws BadMessage {
+        Vectors.assertSame(written(read(message.toString())), message);
+    }
+
+    @ParameterizedTest
+    @MethodSource("lenientClientMessages")
+    void anUnusualFormMeansTheSame(JsonNode vector) throws BadMessage {
+        ClientMessage message = read(vector.get("line").stringValue());
+        assertThat(message).isEqualTo(read(vector.get("means").toString()));
+        Vectors.assertSame(written(message), vector.get("means"));
+    }
+
+    @ParameterizedTest
+    @MethodSource("refusedLines")
+    void aBadLineIsRefusedWithItsCode(JsonNode vector) {
+        byte[] line = vector.has("bytes") ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
+                : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
+        assertThatThrownBy(() -> MessageReader.read(ByteBuffer.wrap(line)))
+                .isInstanceOfSatisfying(BadMessage.class, e -> {
+                    assertThat(e.error().code()).isEqualTo(vector.get("code").stringValue());
+                    assertThat(e.error().message()).isNotBlank();
+                    assertThat(e.error().hint()).isNotBlank();
+                });
+    }
+
+    @Test
+    void aBadFieldIsNamedWithWhatWasFoundAndExpectedAndTheIdIsKept() {
+        assertThatThrownBy(() -> read("{\"t\":\"perceive\",\"id\":12,\"every\":\"often\"}"))
+                .isInstanceOfSatisfying(BadMessage.class, e -> assertThat(e.error()).isEqualTo(
+                        new ServerMessage.Error(12, "bad-field", "the field every is \"\\\"often\\\"\"",
+                                "expected an integer from 0 to 1000000")));
+    }
+
+    @ParameterizedTest
+    @MethodSource("serverMessages")
+    void aServersMessageIsWrittenAsDocumented(JsonNode message) {
+        byte[] line = message(message).line();
+        assertThat(line).endsWith('\n').containsOnlyOnce('\n');
+        Vectors.assertSame(JSON.readTree(line), message);
+    }
+
+    @Test
+    void whatIsNotFiniteInAnEventLeavesTheLineValid() {
+        byte[] line = new ServerMessage.Event(1, "fault", Map.of("value", Double.NaN)).line();
+        assertThat(JSON.readTree(line).at("/fields/value").stringValue()).isEqualTo("NaN");
+    }
+
+    @Test
+    void foreignTextIsShownWithoutControlAndFormatCharacters() {
+        assertThat(Text.quote("duck")).isEqualTo("\"duck\"");
+        assertThat(Text.quote("a\n\u0000\u202e\"\\é🦆")).isEqualTo("\"a\\u{a}\\u{0}\\u{202e}\\\"\\\\é🦆\"");
+        assertThat(Text.quote("x".repeat(100))).isEqualTo("\"" + "x".repeat(64) + "…\"");
+        assertThat(Text.quote("\ud83e")).isEqualTo("\"\\u{d83e}\"");
+    }
+
+    private static ClientMessage read(String line) throws BadMessage {
+        return MessageReader.read(ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)));
+    }
+
+    /** The message as a client would write it. */
+    private static JsonNode written(ClientMessage message) {
+        ObjectNode json = JSON.createObjectNode();
+        json.put("t", message.getClass().getSimpleName().toLowerCase(Locale.ROOT));
+        if (message.id() != ClientMessage.NO_ID) {
+            json.put("id", message.id());
+        }
+        switch (message) {
+            case ClientMessage.Hello hello -> {
+                assertThat(hello.role()).isEqualTo("agent");
+                json.put("protocol", hello.protocol()).put("name", hello.name());
+                hello.body().ifPresent(body -> json.put("body", body));
+            }
+            case ClientMessage.Perceive perceive -> {
+                if (perceive.every() != ClientMessage.Perceive.ONCE) {
+                    json.put("every", perceive.every());
+                }
+            }
+            case ClientMessage.Act act -> json.put("item", act.item()).put("action", act.action())
+                    .set("arguments", JSON.valueToTree(act.arguments()));
+            case ClientMessage.Ping ping -> { }
+            case ClientMessage.Pong pong -> { }
+            case ClientMessage.Bye bye -> { }
+        }
+        return JSON.readTree(json.toString());
+    }
+
+    /** The server's message with those values. */
+    private static ServerMessage message(JsonNode json) {
+        long id = json.path("id").asLong(ClientMessage.NO_ID);
+        return switch (json.get("t").stringValue()) {
+            case "welcome" -> new ServerMessage.Welcome(id, json.get("protocol").intValue(), text(json, "agent"),
+                    text(json, "body"), text(json, "world"), json.get("frame").longValue(),
+                    json.get("rate").intValue(), new ServerMessage.Limits(json.at("/limits/lineBytes").intValue(),
+                            json.at("/limits/actsInFlight").intValue(), json.at("/limits/idleSeconds").doubleValue()));
+            case "result" -> json.get("accepted").booleanValue()
+                    ? new ServerMessage.Accepted(id, json.get("frame").longValue())
+                    : new ServerMessage.Refused(id, text(json, "code"), text(json, "reason"));
+            case "event" -> {
+                var fields = new LinkedHashMap<String, Object>();
+                json.get("fields").properties().forEach(field -> fields.put(field.getKey(), value(field.getValue())));
+                yield new ServerMessage.Event(json.get("frame").longValue(), text(json, "type"), fields);
+            }
+            case "error" -> new ServerMessage.Error(id, text(json, "code"), text(json, "message"), text(json, "hint"));
+            case "ping" -> new ServerMessage.Ping();
+            case "pong" -> new ServerMessage.Pong(id);
+            case "bye" -> new ServerMessage.Bye(text(json, "code"), text(json, "message"),
+                    json.has("hint") ? Optional.of(text(json, "hint")) : Optional.empty());
+            default -> throw new AssertionError("no such message: " + json);
+        };
+    }
+
+    private static Object value(JsonNode value) {
+        if (value.isString()) {
+            return value.stringValue();
+        }
+        return value.isBoolean() ? (Object) value.booleanValue() : value.numberValue();
+    }
+
+    private static String text(JsonNode json, String field) {
+        return json.get(field).stringValue();
+    }
+}

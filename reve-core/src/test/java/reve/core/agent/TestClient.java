@@ -1,0 +1,126 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.BufferedReader;
+import java.io.IOException;
+import java.io.InputStreamReader;
+import java.io.OutputStream;
+import java.net.InetSocketAddress;
+import java.net.Socket;
+import java.net.SocketTimeoutException;
+import java.nio.charset.StandardCharsets;
+import java.util.ArrayDeque;
+import java.util.Deque;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/** A client by hand: raw lines over a real socket. */
+final class TestClient implements AutoCloseable {
+
+    private static final int PATIENCE_MILLIS = 20_000;
+    private static final JsonMapper JSON = new JsonMapper();
+
+    final Socket socket = new Socket();
+    private final OutputStream out;
+    private final BufferedReader in;
+    private final Deque<JsonNode> early = new ArrayDeque<>();
+    private int syncs;
+
+    TestClient(InetSocketAddress address) throws IOException {
+        this(address, 0);
+    }
+
+    /** @param receiveBytes size of the receive buffer, 0 for the system's */
+    TestClient(InetSocketAddress address, int receiveBytes) throws IOException {
+        if (receiveBytes > 0) {
+            socket.setReceiveBufferSize(receiveBytes);
+        }
+        socket.connect(address);
+        socket.setTcpNoDelay(true);
+        socket.setSoTimeout(PATIENCE_MILLIS);
+        out = socket.getOutputStream();
+        in = new BufferedReader(new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+    }
+
+    static JsonNode json(String text) {
+        return JSON.readTree(text.replace('\'', '"'));
+    }
+
+    /** Sends a line; ' stands for ". */
+    TestClient say(String line) throws IOException {
+        return send((line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
+    }
+
+    TestClient send(byte[] bytes) throws IOException {
+        out.write(bytes);
+        out.flush();
+        return this;
+    }
+
+    /** Returns when the server has taken everything said so far. */
+    TestClient sync() throws IOException {
+        int id = 1_000_000 + syncs++;
+        say("{'t':'ping','id':" + id + "}");
+        for (JsonNode message = read(); !isPong(message, id); message = read()) {
+            early.addLast(message);
+        }
+        return this;
+    }
+
+    /** The next message, in the order sent. */
+    JsonNode next() throws IOException {
+        return early.isEmpty() ? read() : early.removeFirst();
+    }
+
+    /** The next message, which must be of that type. */
+    JsonNode expect(String type) throws IOException {
+        JsonNode message = next();
+        assertThat(message.get("t").stringValue()).as("%s", message).isEqualTo(type);
+        return message;
+    }
+
+    /** The next message must be of that type and have that code; then the other fields are told by the caller. */
+    JsonNode expect(String type, String code) throws IOException {
+        JsonNode message = expect(type);
+        assertThat(message.path("code").asString("")).as("%s", message).isEqualTo(code);
+        return message;
+    }
+
+    /** The connection ends with that reason, and nothing follows. */
+    JsonNode expectBye(String code) throws IOException {
+        JsonNode bye = expect("bye", code);
+        assertThat(in.readLine()).as("after the bye").isNull();
+        return bye;
+    }
+
+    /** Reads until the connection ends; the last message must be a bye with that code. */
+    void skipToBye(String code) throws IOException {
+        JsonNode message = next();
+        while (!message.get("t").stringValue().equals("bye")) {
+            message = next();
+        }
+        assertThat(message.get("code").stringValue()).as("%s", message).isEqualTo(code);
+    }
+
+    @Override
+    public void close() throws IOException {
+        socket.close();
+    }
+
+    private JsonNode read() throws IOException {
+        try {
+            String line = in.readLine();
+            if (line == null) {
+                throw new AssertionError("the server closed the connection; waiting: " + early);
+            }
+            return JSON.readTree(line);
+        } catch (SocketTimeoutException e) {
+            throw new AssertionError("the server is silent; waiting: " + early, e);
+        }
+    }
+
+    private static boolean isPong(JsonNode message, int id) {
+        return message.get("t").stringValue().equals("pong") && message.path("id").asInt(-1) == id;
+    }
+}
