@@ -23,6 +23,9 @@ final class FaultLog {
         if (reported.size() >= MAX_DISTINCT || !reported.add(source + type + message)) {
             return;
         }
+        if (reported.size() == MAX_DISTINCT) {
+            LOG.warn("{} distinct faults reported; no more will be", MAX_DISTINCT);
+        }
         LOG.error("frame {} {}: {} failed", event.frame(), event.phase(), source, fault);
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("phase", event.phase().name());

@@ -14,6 +14,7 @@ public interface ColumnArena extends AutoCloseable {
      *
      * @param name what the memory is for, for example {@code body.mass}
      * @param bytes size, at least 1
+     * @throws IllegalStateException naming the column if there is no more memory
      */
     MemorySegment reserve(String name, long bytes);
 

@@ -21,9 +21,11 @@ final class Names {
                     + "...\" has " + name.length() + " characters, at most "
                     + MAX_LENGTH + " are allowed");
         }
-        if (name.chars().anyMatch(Character::isISOControl)) {
-            throw new IllegalArgumentException(
-                    what + " \"" + escaped(name) + "\" contains a control character");
+        for (int i = 0; i < name.length(); i++) {
+            if (Character.isISOControl(name.charAt(i))) {
+                throw new IllegalArgumentException(
+                        what + " \"" + escaped(name) + "\" contains a control character");
+            }
         }
         return name;
     }

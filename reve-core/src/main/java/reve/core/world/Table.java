@@ -1,7 +1,6 @@
 package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
-import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -18,6 +17,7 @@ public final class Table implements TableView {
     private final String kind;
     private final Column ids;
     private final List<Column> columns;
+    private final List<Column> references;
     private final Map<String, Column> byName = new LinkedHashMap<>();
     private final Map<String, Column> physicsByName = new LinkedHashMap<>();
     private Item[] items;
@@ -42,6 +42,7 @@ public final class Table implements TableView {
         }
         byName.putAll(physicsByName);
         columns = List.copyOf(byName.values());
+        references = columns.stream().filter(column -> column.type() == ScalarType.REF).toList();
     }
 
     @Override
@@ -95,13 +96,7 @@ public final class Table implements TableView {
 
     /** Columns of references, in a fixed order. */
     List<Column> references() {
-        var found = new ArrayList<Column>();
-        for (Column column : physicsByName.values()) {
-            if (column.type() == ScalarType.REF) {
-                found.add(column);
-            }
-        }
-        return found;
+        return references;
     }
 
     Item itemAt(int row) {

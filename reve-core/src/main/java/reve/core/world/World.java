@@ -31,13 +31,14 @@ public final class World {
     private final String name;
     private final WorldPrototype prototype;
     private final ColumnArena arena;
-    private final Map<String, Table> tables = new LinkedHashMap<>();
+    private final Map<String, Table> tableByKind = new HashMap<>();
+    private final List<Table> tables;
     private final Map<ItemId, Item> items = new LinkedHashMap<>();
     private final Map<String, Item> itemsByName = new HashMap<>();
     private final List<MemorySegment> retired = new ArrayList<>();
     private final List<WorldEvent> events = new ArrayList<>();
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
-    private Thread owner = Thread.currentThread();
+    private volatile Thread owner = Thread.currentThread();
     private @Nullable String lockedBy;
     private long lastId;
     private long layoutVersion;
@@ -53,9 +54,8 @@ public final class World {
         this.name = Names.require("world name", name);
         this.prototype = prototype;
         this.arena = arena;
-        for (String kind : prototype.kinds()) {
-            tables.put(kind, new Table(this, kind));
-        }
+        tables = prototype.kinds().stream().map(kind -> new Table(this, kind)).toList();
+        tables.forEach(table -> tableByKind.put(table.kind(), table));
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
         insert(constants.build(), true);
     }
@@ -85,6 +85,7 @@ public final class World {
     public List<Item> addAll(List<ItemDefinition> definitions) {
         requireUnlocked("add items");
         new DefinitionCheck(this, definitions).run();
+        makeRoom(definitions);
         var added = new ArrayList<Item>(definitions.size());
         for (ItemDefinition definition : definitions) {
             added.add(insert(definition, definition.hasPhysics()));
@@ -152,7 +153,7 @@ public final class World {
 
     /** @throws IllegalArgumentException if the prototype has no such kind */
     public Table table(String kind) {
-        Table table = tables.get(kind);
+        Table table = tableByKind.get(kind);
         if (table == null) {
             throw new IllegalArgumentException(
                     "kind \"" + kind + "\" does not exist; kinds are " + prototype.kinds());
@@ -162,7 +163,7 @@ public final class World {
 
     /** In the order of {@link WorldPrototype#kinds()}. */
     public List<Table> tables() {
-        return List.copyOf(tables.values());
+        return tables;
     }
 
     /**
@@ -288,6 +289,17 @@ public final class World {
         }
     }
 
+    /** Reserves memory before anything is added, because only that can still fail. */
+    private void makeRoom(List<ItemDefinition> definitions) {
+        for (Table table : tables) {
+            int more = 0;
+            for (ItemDefinition definition : definitions) {
+                more += definition.kind().equals(table.kind()) ? 1 : 0;
+            }
+            table.makeRoom(table.rowCount() + more);
+        }
+    }
+
     private Item insert(ItemDefinition definition, boolean physics) {
         Table table = table(definition.kind());
         var itemSymbols = new ItemSymbols(new ItemId(++lastId), definition);
@@ -349,7 +361,7 @@ public final class World {
     }
 
     private void addReferrers(Set<Item> targets, Set<Item> into) {
-        for (Table table : tables.values()) {
+        for (Table table : tables) {
             for (Column column : table.references()) {
                 for (int row = 0; row < table.physicsRowCount(); row++) {
                     for (int i = 0; i < column.components(); i++) {

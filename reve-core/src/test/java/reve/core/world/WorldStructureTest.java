@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException
 import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 
 import java.lang.foreign.MemorySegment;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.concurrent.atomic.AtomicInteger;
@@ -256,12 +257,36 @@ class WorldStructureTest {
         assertThat(a.physics().scalar("mass")).isEqualTo(3);
     }
 
+    @Test
+    void anArenaThatIsFullLeavesTheWorldAsItWas() {
+        var limited = new CountingArena();
+        World small = new World("small", WorldPrototype.standard("si-f64"), limited);
+        small.add(ItemDefinition.named("first").physics("mass", 5).build());
+        limited.limit = limited.bytes + 10_000;
+        List<ItemDefinition> many = new ArrayList<>();
+        for (int i = 0; i < 200; i++) {
+            many.add(ItemDefinition.named("b" + i).physics("mass", i).build());
+        }
+        assertThatIllegalStateException().isThrownBy(() -> small.addAll(many))
+                .withMessageContaining("full");
+        assertThat(small.items()).hasSize(2);
+        assertThat(small.table("body").rowCount()).isEqualTo(1);
+        limited.limit = Long.MAX_VALUE;
+        List<Item> added = small.addAll(many);
+        assertThat(small.find("first").orElseThrow().physics().scalar("mass")).isEqualTo(5);
+        assertThat(added.get(199).physics().scalar("mass")).isEqualTo(199);
+    }
+
     private static final class CountingArena implements ColumnArena {
         private final OffHeapArena memory = new OffHeapArena();
         private long bytes;
+        private long limit = Long.MAX_VALUE;
 
         @Override
         public MemorySegment reserve(String name, long size) {
+            if (bytes + size > limit) {
+                throw new IllegalStateException("arena is full: no room for " + name);
+            }
             bytes += size;
             return memory.reserve(name, size);
         }
