@@ -38,7 +38,7 @@ final class LogUpcall {
                 VesperStrings.read(message));
         } catch (Throwable failure) {
             // Nothing may cross into C, and a log that fails cannot be told through the log.
-            failure.printStackTrace();
+            System.err.println("a Vesper log listener failed: " + failure);
         }
     }
 
