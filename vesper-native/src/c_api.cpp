@@ -1,0 +1,158 @@
+// engine.h, function by function: checks pointers, guards the border, calls the engine.
+#include <memory>
+
+#include "engine.hpp"
+#include "failure.hpp"
+#include "vesper/engine.h"
+
+namespace {
+
+using vesper::Config;
+using vesper::Failure;
+using vesper::Guarded;
+
+template <class T>
+T& Required(T* pointer, const char* name) {
+  if (pointer == nullptr) throw Failure(VESPER_INVALID_ARGUMENT, "%s is null", name);
+  return *pointer;
+}
+
+}  // namespace
+
+uint32_t vesper_abi_version() noexcept { return VESPER_ABI_VERSION; }
+
+const char* vesper_build_info() noexcept { return VESPER_BUILD_INFO; }
+
+const char* vesper_status_name(vesper_status status) noexcept { return vesper::StatusName(status); }
+
+vesper_status vesper_engine_create(const vesper_engine_config* config,
+                                   const vesper_prototype* prototype, vesper_engine** out,
+                                   vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    *out = new vesper_engine(Config(config), Required(prototype, "prototype"));
+  });
+}
+
+void vesper_engine_destroy(vesper_engine* engine) noexcept {
+  if (engine == nullptr) return;
+  if (engine->busy()) {
+    engine->config().Log(VESPER_LOG_ERROR,
+                         "vesper_engine_destroy: the engine is inside another call; not destroyed");
+    return;
+  }
+  delete engine;
+}
+
+vesper_provider* vesper_engine_property_provider(vesper_engine* engine) noexcept {
+  return engine == nullptr ? nullptr : &engine->provider();
+}
+
+vesper_status vesper_provider_add_physical_property(vesper_provider* provider, const char* name,
+                                                    void* data, uint64_t value_count,
+                                                    const uint32_t* indices, uint64_t object_count,
+                                                    vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(provider, "provider")
+        .engine.AddProperty(name, {data, value_count, indices, object_count});
+  });
+}
+
+vesper_status vesper_provider_rebind_physical_property(vesper_provider* provider, const char* name,
+                                                       void* data, uint64_t value_count,
+                                                       const uint32_t* indices,
+                                                       uint64_t object_count,
+                                                       vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(provider, "provider")
+        .engine.RebindProperty(name, {data, value_count, indices, object_count});
+  });
+}
+
+vesper_status vesper_provider_remove_physical_property(vesper_provider* provider, const char* name,
+                                                       vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(provider, "provider").engine.RemoveProperty(name); });
+}
+
+vesper_status vesper_provider_find_physical_property(const vesper_provider* provider,
+                                                     const char* name, vesper_property* out,
+                                                     vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(provider, "provider").engine.FindProperty(name, Required(out, "out"));
+  });
+}
+
+vesper_status vesper_provider_touch(vesper_provider* provider, const char* const* names,
+                                    uint32_t count, vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(provider, "provider").engine.Touch(names, count); });
+}
+
+vesper_status vesper_library_prepare(const vesper_engine_config* config, const char* library,
+                                     vesper_prepared_library** out, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(out, "out");
+    *out = new vesper_prepared_library(Config(config), &Required(library, "library"));
+  });
+}
+
+void vesper_library_discard(vesper_prepared_library* prepared) noexcept { delete prepared; }
+
+const char* vesper_library_name(const vesper_prepared_library* prepared) noexcept {
+  return prepared == nullptr ? nullptr : prepared->table().name;
+}
+
+vesper_status vesper_engine_load_prepared(vesper_engine* engine, vesper_prepared_library* prepared,
+                                          const vesper_parameter* parameters, uint32_t count,
+                                          vesper_library_id* out, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    vesper_library_id& id = Required(out, "out");
+    id = Required(engine, "engine").Load(Required(prepared, "prepared"), parameters, count);
+  });
+}
+
+vesper_status vesper_engine_load_physics_law(vesper_engine* engine, const char* library,
+                                             const vesper_parameter* parameters, uint32_t count,
+                                             vesper_library_id* out, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    vesper_library_id& id = Required(out, "out");
+    vesper_engine& target = Required(engine, "engine");
+    auto prepared = std::make_unique<vesper_prepared_library>(target.config(),
+                                                              &Required(library, "library"));
+    id = target.Load(*prepared, parameters, count);
+    prepared.release();
+  });
+}
+
+vesper_status vesper_engine_unload_physics_law(vesper_engine* engine, vesper_library_id library,
+                                               vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").Unload(library); });
+}
+
+vesper_status vesper_engine_law_info(const vesper_engine* engine, vesper_library_id library,
+                                     uint32_t index, vesper_law_info* out,
+                                     vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(engine, "engine").LawInfo(library, index, Required(out, "out"));
+  });
+}
+
+vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
+                                    vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").Advance(dt, steps); });
+}
+
+vesper_status vesper_engine_clear_fault(vesper_engine* engine, vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").ClearFault(); });
+}
+
+uint64_t vesper_engine_step_count(const vesper_engine* engine) noexcept {
+  return engine == nullptr ? 0 : engine->step_count();
+}
+
+vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_t* out,
+                                       vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    uint64_t& hash = Required(out, "out");
+    hash = Required(engine, "engine").StateHash();
+  });
+}

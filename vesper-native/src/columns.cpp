@@ -1,0 +1,176 @@
+#include "columns.hpp"
+
+#include <cinttypes>
+
+#include "failure.hpp"
+#include "kernels.hpp"
+#include "unit.hpp"
+
+namespace vesper {
+namespace {
+
+void CheckArrays(const PropertySpec& spec, const Arrays& arrays) {
+  const auto fail = [&spec](vesper_status status, const char* what, uint64_t found) {
+    return Failure(status, "property %s: %s (found %" PRIu64 ")", spec.name.c_str(), what, found)
+        .Property(spec.name);
+  };
+  if (arrays.value_count > INT64_MAX / spec.row_size) {
+    throw fail(VESPER_INVALID_ARGUMENT, "value_count does not fit memory", arrays.value_count);
+  }
+  if (arrays.row_count > INT64_MAX / spec.row_size) {
+    throw fail(VESPER_INVALID_ARGUMENT, "object_count does not fit memory", arrays.row_count);
+  }
+  if (arrays.data == nullptr && arrays.value_count > 0) {
+    throw fail(VESPER_INVALID_ARGUMENT, "data is null but value_count is not 0",
+               arrays.value_count);
+  }
+  const uint64_t misaligned =
+      reinterpret_cast<uintptr_t>(arrays.data) % ScalarSize(spec.type);
+  if (misaligned != 0) {
+    throw fail(VESPER_INVALID_ARGUMENT, "data is not aligned to its scalar type", misaligned);
+  }
+  if (arrays.indices == nullptr && arrays.value_count != arrays.row_count) {
+    throw Failure(VESPER_COUNT_MISMATCH,
+                  "property %s: value_count %" PRIu64 ", expected object_count %" PRIu64
+                  " (there are no indices)",
+                  spec.name.c_str(), arrays.value_count, arrays.row_count)
+        .Property(spec.name);
+  }
+  if (reinterpret_cast<uintptr_t>(arrays.indices) % alignof(uint32_t) != 0) {
+    throw fail(VESPER_INVALID_ARGUMENT, "indices are not aligned to 4 bytes",
+               reinterpret_cast<uintptr_t>(arrays.indices) % alignof(uint32_t));
+  }
+}
+
+}  // namespace
+
+Columns::Columns(const Prototype& prototype)
+    : prototype_(prototype),
+      columns_(prototype.properties().size()),
+      row_counts_(prototype.kinds().size()) {}
+
+void Columns::Add(uint32_t property, const Arrays& arrays) {
+  const PropertySpec& added = spec(property);
+  if (columns_[property].bound) {
+    throw Failure(VESPER_ALREADY_EXISTS, "property %s is bound already; rebind it or remove it",
+                  added.name.c_str())
+        .Property(added.name);
+  }
+  CheckArrays(added, arrays);
+  for (uint32_t i = 0; i < size(); ++i) {
+    if (!columns_[i].bound || spec(i).kind != added.kind) continue;
+    if (columns_[i].arrays.row_count == arrays.row_count) continue;
+    throw Failure(VESPER_COUNT_MISMATCH,
+                  "property %s: object_count %" PRIu64 ", but %s of the same kind %s has %" PRIu64,
+                  added.name.c_str(), arrays.row_count, spec(i).name.c_str(),
+                  prototype_.kinds()[added.kind].c_str(), columns_[i].arrays.row_count)
+        .Property(added.name);
+  }
+  Bind(property, arrays);
+}
+
+void Columns::Rebind(uint32_t property, const Arrays& arrays) {
+  if (!columns_[property].bound) {
+    throw Failure(VESPER_NOT_FOUND, "property %s is not bound; add it first",
+                  spec(property).name.c_str())
+        .Property(spec(property).name);
+  }
+  CheckArrays(spec(property), arrays);
+  Bind(property, arrays);
+}
+
+void Columns::Bind(uint32_t property, const Arrays& arrays) {
+  Column& column = columns_[property];
+  column.bound = true;
+  column.arrays = arrays;
+  Touch(property);
+}
+
+void Columns::Remove(uint32_t property) {
+  Column& column = columns_[property];
+  if (!column.bound) {
+    throw Failure(VESPER_NOT_FOUND, "property %s is not bound", spec(property).name.c_str())
+        .Property(spec(property).name);
+  }
+  column.bound = false;
+  column.arrays = {};
+  Touch(property);
+}
+
+void Columns::Touch(uint32_t property) {
+  columns_[property].stale = true;
+  ++columns_[property].version;
+  ++generation_;
+}
+
+void Columns::Refresh() {
+  if (refreshed_ == generation_) return;
+  AgreeRowCounts();
+  for (uint32_t i = 0; i < size(); ++i) {
+    if (!columns_[i].bound || !columns_[i].stale) continue;
+    if (columns_[i].arrays.indices != nullptr) Expand(i);
+  }
+  // A reference is also at stake when the kind that it points into shrank.
+  CheckReferences();
+  for (Column& column : columns_) column.stale = false;
+  refreshed_ = generation_;
+}
+
+void Columns::AgreeRowCounts() {
+  for (uint32_t kind = 0; kind < row_counts_.size(); ++kind) {
+    uint32_t first = kNone;
+    for (uint32_t i = 0; i < size(); ++i) {
+      if (!columns_[i].bound || spec(i).kind != kind) continue;
+      if (first == kNone) first = i;
+      const uint64_t expected = columns_[first].arrays.row_count;
+      const uint64_t found = columns_[i].arrays.row_count;
+      if (found == expected) continue;
+      throw Failure(VESPER_COUNT_MISMATCH,
+                    "property %s has %" PRIu64 " rows, but %s of the same kind %s has %" PRIu64,
+                    spec(i).name.c_str(), found, spec(first).name.c_str(),
+                    prototype_.kinds()[kind].c_str(), expected)
+          .Property(spec(i).name);
+    }
+    row_counts_[kind] = first == kNone ? 0 : columns_[first].arrays.row_count;
+  }
+}
+
+void Columns::Expand(uint32_t property) {
+  const PropertySpec& expanded = spec(property);
+  Column& column = columns_[property];
+  const Arrays& arrays = column.arrays;
+  const uint64_t bad = FindOutOfRange(arrays.indices, arrays.row_count, arrays.value_count);
+  if (bad != kNotFound) {
+    throw Failure(VESPER_INVALID_ARGUMENT,
+                  "property %s: indices[%" PRIu64 "] is %u, but there are %" PRIu64 " values",
+                  expanded.name.c_str(), bad, arrays.indices[bad], arrays.value_count)
+        .Property(expanded.name)
+        .Row(bad);
+  }
+  column.dense.Resize(arrays.row_count * expanded.row_size);
+  Gather(column.dense.data(), arrays.data, arrays.indices, arrays.row_count, expanded.row_size);
+}
+
+void Columns::CheckReferences() {
+  for (uint32_t i = 0; i < size(); ++i) {
+    if (columns_[i].bound && spec(i).refers_to != kNone) CheckReference(i);
+  }
+}
+
+void Columns::CheckReference(uint32_t property) const {
+  const PropertySpec& reference = spec(property);
+  const auto* rows = reinterpret_cast<const uint32_t*>(columns_[property].data());
+  const uint64_t count = columns_[property].arrays.row_count * reference.components;
+  const uint64_t limit = row_counts_[reference.refers_to];
+  const uint64_t bad = FindOutOfRange(rows, count, limit);
+  if (bad == kNotFound) return;
+  throw Failure(VESPER_INVALID_ARGUMENT,
+                "property %s: row %" PRIu64 " refers to row %u of kind %s, which has %" PRIu64
+                " rows",
+                reference.name.c_str(), bad / reference.components, rows[bad],
+                prototype_.kinds()[reference.refers_to].c_str(), limit)
+      .Property(reference.name)
+      .Row(bad / reference.components);
+}
+
+}  // namespace vesper

@@ -1,0 +1,71 @@
+// The property provider: which array of the client stands for which property.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "aligned_buffer.hpp"
+#include "prototype.hpp"
+
+namespace vesper {
+
+/// The client's arrays as given to add or rebind; borrowed.
+struct Arrays {
+  void* data;
+  uint64_t value_count;
+  const uint32_t* indices;
+  uint64_t row_count;
+};
+
+/// One property of the prototype, bound or not.
+struct Column {
+  bool bound = false;
+  bool stale = false;  // to be expanded and range-checked before anybody reads it
+  Arrays arrays{};
+  uint64_t version = 0;
+  AlignedBuffer dense;  // the rows, where the client shares values through indices
+
+  /// Rows, dense; null if there are none.
+  std::byte* data() const {
+    return arrays.indices != nullptr ? dense.data() : static_cast<std::byte*>(arrays.data);
+  }
+};
+
+/// All columns of an engine, in prototype order. Not thread-safe.
+class Columns {
+ public:
+  explicit Columns(const Prototype& prototype);
+
+  void Add(uint32_t property, const Arrays& arrays);
+  void Rebind(uint32_t property, const Arrays& arrays);
+  void Remove(uint32_t property);
+  void Touch(uint32_t property);
+
+  const Column& operator[](uint32_t property) const { return columns_[property]; }
+  const PropertySpec& spec(uint32_t property) const { return prototype_.properties()[property]; }
+  uint32_t size() const { return static_cast<uint32_t>(columns_.size()); }
+  /// Rows of a kind as of the last Refresh; 0 if no property of the kind is bound.
+  uint64_t row_count(uint32_t kind) const { return row_counts_[kind]; }
+  /// Raised by every change.
+  uint64_t generation() const { return generation_; }
+
+  /// Agrees the row counts, expands shared values and range-checks references, of what changed.
+  /// Throws COUNT_MISMATCH or INVALID_ARGUMENT that names property and row.
+  void Refresh();
+  /// Range-checks references again, changed or not.
+  void CheckReferences();
+
+ private:
+  void Bind(uint32_t property, const Arrays& arrays);
+  void AgreeRowCounts();
+  void Expand(uint32_t property);
+  void CheckReference(uint32_t property) const;
+
+  const Prototype& prototype_;
+  std::vector<Column> columns_;
+  std::vector<uint64_t> row_counts_;  // by kind
+  uint64_t generation_ = 1;
+  uint64_t refreshed_ = 0;
+};
+
+}  // namespace vesper

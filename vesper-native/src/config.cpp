@@ -1,0 +1,55 @@
+#include "config.hpp"
+
+#include <dlfcn.h>
+
+#include "failure.hpp"
+#include "struct_array.hpp"
+
+namespace vesper {
+namespace {
+
+constexpr uint32_t kMaxThreads = 256;
+constexpr uint32_t kDefaultProbeTimeoutMs = 5000;
+
+std::string ProbeBesideLibrary() {
+  Dl_info info{};
+  if (dladdr(reinterpret_cast<const void*>(&vesper_abi_version), &info) == 0) return "vesper-probe";
+  const std::string library = info.dli_fname;
+  const size_t slash = library.rfind('/');
+  return (slash == std::string::npos ? "./" : library.substr(0, slash + 1)) + "vesper-probe";
+}
+
+}  // namespace
+
+Config::Config(const vesper_engine_config* source) {
+  if (source == nullptr) throw Failure(VESPER_INVALID_ARGUMENT, "config is null");
+  CheckStructSize(*source, "config");
+  if (source->threads == 0 || source->threads > kMaxThreads) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.threads is %u, expected 1 to %u",
+                  source->threads, kMaxThreads);
+  }
+  if (source->validate > 1) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.validate is %u, expected 0 or 1",
+                  source->validate);
+  }
+  if (source->probe_timeout_ms == 0) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.probe_timeout_ms is 0, expected at least 1");
+  }
+  threads = source->threads;
+  validate = source->validate == 1;
+  probe_timeout_ms = source->probe_timeout_ms;
+  law_path = source->law_path != nullptr ? source->law_path : "";
+  probe_path = source->probe_path != nullptr ? source->probe_path : ProbeBesideLibrary();
+  log = source->log;
+  log_user = source->log_user;
+}
+
+}  // namespace vesper
+
+void vesper_engine_config_init(vesper_engine_config* config) noexcept {
+  if (config == nullptr) return;
+  *config = {};
+  config->struct_size = sizeof *config;
+  config->threads = 1;
+  config->probe_timeout_ms = vesper::kDefaultProbeTimeoutMs;
+}

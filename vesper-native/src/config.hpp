@@ -1,0 +1,27 @@
+// The engine's copy of `vesper_engine_config`.
+#pragma once
+
+#include <string>
+
+#include "vesper/engine.h"
+
+namespace vesper {
+
+struct Config {
+  /// Validates and copies; throws INVALID_ARGUMENT.
+  explicit Config(const vesper_engine_config* source);
+
+  void Log(uint32_t level, const char* message) const {
+    if (log != nullptr) log(log_user, level, message);
+  }
+
+  uint32_t threads;
+  bool validate;
+  uint32_t probe_timeout_ms;
+  std::string law_path;
+  std::string probe_path;
+  void (*log)(void* user, uint32_t level, const char* message);
+  void* log_user;
+};
+
+}  // namespace vesper

@@ -1,0 +1,255 @@
+#include "engine.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "failure.hpp"
+#include "matching.hpp"
+#include "state_hash.hpp"
+#include "struct_array.hpp"
+#include "unit.hpp"
+
+using vesper::Failure;
+
+namespace {
+
+Failure NotBound(const std::string& property) {
+  return Failure(VESPER_NOT_FOUND, "property %s is not bound; add it first", property.c_str())
+      .Property(property);
+}
+
+}  // namespace
+
+/// Holds the engine for the length of one call.
+class vesper_engine::Turn {
+ public:
+  explicit Turn(const vesper_engine& engine) : engine_(engine) {
+    if (engine_.busy_.exchange(true, std::memory_order_acquire)) {
+      throw Failure(VESPER_BUSY, "the engine is inside another call; laws and log receivers must "
+                                 "not call it, nor two threads at a time");
+    }
+  }
+  ~Turn() { engine_.busy_.store(false, std::memory_order_release); }
+  Turn(const Turn&) = delete;
+  Turn& operator=(const Turn&) = delete;
+
+ private:
+  const vesper_engine& engine_;
+};
+
+vesper_engine::vesper_engine(const vesper::Config& config, const vesper_prototype& prototype)
+    : config_(config), prototype_(prototype), pool_(config.threads) {
+  schedule_.Plan(libraries_);
+}
+
+void vesper_engine::AddProperty(const char* name, const vesper::Arrays& arrays) {
+  const Turn turn(*this);
+  const uint32_t property = prototype_.Require(name);
+  CheckArraysFit(property, arrays);
+  columns_.Add(property, arrays);
+}
+
+void vesper_engine::RebindProperty(const char* name, const vesper::Arrays& arrays) {
+  const Turn turn(*this);
+  const uint32_t property = prototype_.Require(name);
+  CheckArraysFit(property, arrays);
+  columns_.Rebind(property, arrays);
+}
+
+template <class Condition>
+void vesper_engine::RefuseIfUsed(uint32_t property, const char* refusal,
+                                 Condition&& condition) const {
+  for (const auto& library : libraries_) {
+    for (const auto& law : library->laws()) {
+      for (const vesper::MatchedUse& matched : law->uses) {
+        if (matched.property != property || !condition(*matched.use)) continue;
+        throw Failure(VESPER_ACCESS_CONFLICT, "property %s %s %s; unload library %s first",
+                      matched.use->name, refusal, law->law.label().c_str(),
+                      library->name().c_str())
+            .Property(matched.use->name)
+            .Library(library->id())
+            .Law(law->index);
+      }
+    }
+  }
+}
+
+void vesper_engine::CheckArraysFit(uint32_t property, const vesper::Arrays& arrays) const {
+  if (arrays.indices == nullptr) return;
+  RefuseIfUsed(property, "cannot share values through indices: it is written by",
+               [](const vesper_property_use& use) { return use.access != VESPER_READ; });
+}
+
+void vesper_engine::RemoveProperty(const char* name) {
+  const Turn turn(*this);
+  const uint32_t property = prototype_.Require(name);
+  RefuseIfUsed(property, "is needed by", [](const vesper_property_use& use) {
+    return (use.flags & VESPER_USE_OPTIONAL) == 0;
+  });
+  columns_.Remove(property);
+}
+
+void vesper_engine::FindProperty(const char* name, vesper_property& out) const {
+  const Turn turn(*this);
+  const uint32_t property = prototype_.Require(name);
+  vesper::CheckStructSize(out, "out");
+  const vesper::PropertySpec& spec = columns_.spec(property);
+  const vesper::Column& column = columns_[property];
+  if (!column.bound) throw NotBound(spec.name);
+  out.scalar_type = spec.type;
+  out.name = spec.name.c_str();
+  out.kind = prototype_.kinds()[spec.kind].c_str();
+  out.components = spec.components;
+  out.access = spec.law_access;
+  out.data = column.arrays.data;
+  out.row_count = column.arrays.row_count;
+  out.version = column.version;
+}
+
+void vesper_engine::Touch(const char* const* names, uint32_t count) {
+  const Turn turn(*this);
+  std::vector<uint32_t> properties;
+  if (names == nullptr) {
+    for (uint32_t i = 0; i < columns_.size(); ++i) {
+      if (columns_[i].bound) properties.push_back(i);
+    }
+  } else {
+    for (uint32_t i = 0; i < count; ++i) properties.push_back(prototype_.Require(names[i]));
+  }
+  for (uint32_t property : properties) {
+    if (!columns_[property].bound) throw NotBound(columns_.spec(property).name);
+  }
+  for (uint32_t property : properties) columns_.Touch(property);
+}
+
+vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
+                                      const vesper_parameter* parameters, uint32_t count) {
+  const Turn turn(*this);
+  const vesper_law_library& table = prepared.table();
+  for (const auto& library : libraries_) {
+    if (library->name() != table.name) continue;
+    throw Failure(VESPER_ALREADY_EXISTS, "library %s is loaded already; unload it first",
+                  table.name)
+        .Library(library->id());
+  }
+  auto added = std::make_unique<vesper::LawLibrary>(next_library_, table.name, config_, pool_);
+  MatchLaws(table, *added);
+  CheckConflicts(*added);
+  added->Create(table, vesper::ResolveParameters(added->laws(), parameters, count));
+  libraries_.push_back(std::move(added));
+  libraries_.back()->Take(&prepared);
+  schedule_.Plan(libraries_);
+  return next_library_++;
+}
+
+void vesper_engine::MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const {
+  const vesper::StructArray laws(table.laws, table.law_count, "laws");
+  for (uint32_t i = 0; i < laws.size(); ++i) {
+    if (laws[i].real_type != 0 && laws[i].real_type != prototype_.real_type()) continue;
+    added.laws().push_back(std::make_unique<vesper::LoadedLaw>(
+        laws[i], static_cast<uint32_t>(added.laws().size()),
+        vesper::MatchUses(laws[i], prototype_, columns_), config_.validate));
+  }
+  if (!added.laws().empty()) return;
+  throw Failure(VESPER_TYPE_MISMATCH, "library %s has no law for %s, which prototype %s asks for",
+                table.name, vesper::ScalarName(prototype_.real_type()), prototype_.name().c_str());
+}
+
+void vesper_engine::CheckConflicts(const vesper::LawLibrary& added) const {
+  for (size_t i = 0; i < added.laws().size(); ++i) {
+    for (const auto& library : libraries_) {
+      for (const auto& law : library->laws()) {
+        vesper::CheckCompatible(*law, *added.laws()[i], prototype_);
+      }
+    }
+    for (size_t j = 0; j < i; ++j) {
+      vesper::CheckCompatible(*added.laws()[j], *added.laws()[i], prototype_);
+    }
+  }
+}
+
+void vesper_engine::Unload(vesper_library_id id) {
+  const Turn turn(*this);
+  const auto found = FindLibrary(id);
+  libraries_.erase(found);
+  schedule_.Plan(libraries_);
+  if (faulted_ && faulted_library_ == id) {
+    faulted_ = false;
+    schedule_.Forget();
+  }
+}
+
+std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator vesper_engine::FindLibrary(
+    vesper_library_id id) const {
+  const auto found = std::find_if(libraries_.begin(), libraries_.end(),
+                                  [id](const auto& library) { return library->id() == id; });
+  if (found != libraries_.end()) return found;
+  throw Failure(VESPER_NOT_FOUND, "no library with id %u is loaded", id);
+}
+
+void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const {
+  const Turn turn(*this);
+  vesper::CheckStructSize(out, "out");
+  const vesper::LawLibrary& library = **FindLibrary(id);
+  if (index >= library.laws().size()) {
+    throw Failure(VESPER_NOT_FOUND, "library %s has %zu laws, there is no law %u",
+                  library.name().c_str(), library.laws().size(), index)
+        .Library(id);
+  }
+  const vesper::Law& law = library.laws()[index]->law;
+  const vesper_law_desc& desc = law.desc();
+  out.library_id = id;
+  out.library = library.name().c_str();
+  out.name = desc.name;
+  out.version = desc.version;
+  out.doc = desc.doc;
+  out.phase = desc.phase;
+  out.stages = desc.stages;
+  out.use_count = desc.use_count;
+  out.parameter_count = desc.parameter_count;
+  out.uses = desc.uses;
+  out.parameters = desc.parameters;
+  out.calls = law.calls();
+  out.nanoseconds = law.nanoseconds();
+}
+
+void vesper_engine::Advance(double dt, uint32_t steps) {
+  const Turn turn(*this);
+  if (!std::isfinite(dt) || dt <= 0) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "dt is %g, expected a finite number above 0", dt);
+  }
+  if (faulted_) {
+    throw Failure(VESPER_FAULTED,
+                  "a step failed; restore the arrays and clear the fault, or unload the law")
+        .Library(faulted_library_);
+  }
+  columns_.Refresh();
+  if (config_.validate) columns_.CheckReferences();
+  schedule_.Bind();
+  try {
+    for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
+  } catch (const Failure& failure) {
+    faulted_ = true;
+    faulted_library_ = failure.error().library_id;
+    throw;
+  }
+  step_count_ += steps;
+}
+
+void vesper_engine::ClearFault() {
+  const Turn turn(*this);
+  if (!faulted_) return;
+  faulted_ = false;
+  schedule_.Forget();
+}
+
+uint64_t vesper_engine::StateHash() {
+  const Turn turn(*this);
+  if (faulted_) {
+    throw Failure(VESPER_FAULTED, "a step failed; the arrays are undefined until they are restored")
+        .Library(faulted_library_);
+  }
+  columns_.Refresh();
+  return vesper::HashState(step_count_, columns_);
+}

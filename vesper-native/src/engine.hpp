@@ -1,0 +1,68 @@
+// The engine behind the C interface.
+#pragma once
+
+#include <atomic>
+#include <memory>
+#include <vector>
+
+#include "columns.hpp"
+#include "config.hpp"
+#include "law_library.hpp"
+#include "prototype.hpp"
+#include "schedule.hpp"
+#include "thread_pool.hpp"
+
+struct vesper_provider {
+  vesper_engine& engine;
+};
+
+/// Each member function is one function of engine.h and throws `vesper::Failure` where that
+/// returns a status. Every one but the getters throws BUSY while another one runs.
+struct vesper_engine {
+ public:
+  vesper_engine(const vesper::Config& config, const vesper_prototype& prototype);
+
+  vesper_provider& provider() { return provider_; }
+  bool busy() const { return busy_.load(std::memory_order_acquire); }
+  uint64_t step_count() const { return step_count_; }
+
+  void AddProperty(const char* name, const vesper::Arrays& arrays);
+  void RebindProperty(const char* name, const vesper::Arrays& arrays);
+  void RemoveProperty(const char* name);
+  void FindProperty(const char* name, vesper_property& out) const;
+  void Touch(const char* const* names, uint32_t count);
+
+  const vesper::Config& config() const { return config_; }
+  vesper_library_id Load(vesper_prepared_library& prepared, const vesper_parameter* parameters,
+                         uint32_t count);
+  void Unload(vesper_library_id id);
+  void LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const;
+
+  void Advance(double dt, uint32_t steps);
+  void ClearFault();
+  uint64_t StateHash();
+
+ private:
+  class Turn;
+
+  std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator FindLibrary(
+      vesper_library_id id) const;
+  void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
+  void CheckConflicts(const vesper::LawLibrary& added) const;
+  void CheckArraysFit(uint32_t property, const vesper::Arrays& arrays) const;
+  template <class Condition>
+  void RefuseIfUsed(uint32_t property, const char* refusal, Condition&& condition) const;
+
+  vesper::Config config_;
+  vesper::Prototype prototype_;
+  vesper::Columns columns_{prototype_};
+  vesper::ThreadPool pool_;
+  std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in order of loading
+  vesper::Schedule schedule_{columns_};
+  vesper_provider provider_{*this};
+  mutable std::atomic<bool> busy_ = false;
+  bool faulted_ = false;
+  vesper_library_id faulted_library_ = VESPER_NO_LIBRARY;
+  vesper_library_id next_library_ = 1;
+  uint64_t step_count_ = 0;
+};

@@ -1,0 +1,50 @@
+// The border to code of law libraries.
+#pragma once
+
+#include <exception>
+#include <string>
+
+#include "failure.hpp"
+#include "floating_point.hpp"
+
+namespace vesper {
+
+/// LAW_FAILED with what the library said about a status it returned.
+inline Failure ForeignFailure(const std::string& who, vesper_status status, vesper_error error) {
+  if (error.message[0] == '\0') {
+    return Failure(VESPER_LAW_FAILED, "%s: returned status %d (%s)", who.c_str(), status,
+                   StatusName(status));
+  }
+  Sanitize(error);
+  error.status = VESPER_LAW_FAILED;
+  return Failure(error).Within(who);
+}
+
+/// Runs `call(vesper_error*)` under default floating-point modes. Throws LAW_FAILED, naming `who`,
+/// if it returns anything but VESPER_OK or lets an exception out.
+template <class Call>
+void CallForeign(const std::string& who, Call&& call) {
+  vesper_error error = BlankError();
+  vesper_status status;
+  try {
+    const FloatingPointGuard guard;
+    status = call(&error);
+  } catch (const std::exception& exception) {
+    throw Failure(VESPER_LAW_FAILED, "%s: threw: %s", who.c_str(), exception.what());
+  } catch (...) {
+    throw Failure(VESPER_LAW_FAILED, "%s: threw an exception of unknown type", who.c_str());
+  }
+  if (status != VESPER_OK) throw ForeignFailure(who, status, error);
+}
+
+/// The same for calls that cannot fail; what they throw is dropped.
+template <class Call>
+void CallForeignQuietly(Call&& call) noexcept {
+  try {
+    const FloatingPointGuard guard;
+    call();
+  } catch (...) {
+  }
+}
+
+}  // namespace vesper

@@ -1,0 +1,119 @@
+#include "kernels.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+namespace vesper {
+namespace {
+
+// Long enough to vectorise, short enough to stop soon after a hit.
+constexpr uint64_t kBlock = 4096;
+
+template <class Real>
+struct Bits;
+template <>
+struct Bits<float> {
+  using Type = uint32_t;
+  static constexpr Type kExponent = 0x7f800000u, kOne = 0x00800000u, kTop = 0x80000000u;
+  static constexpr Type kUnwritten = 0x7fe5be11u;
+};
+template <>
+struct Bits<double> {
+  using Type = uint64_t;
+  static constexpr Type kExponent = 0x7ff0000000000000u, kOne = 0x0010000000000000u;
+  static constexpr Type kTop = 0x8000000000000000u;
+  static constexpr Type kUnwritten = 0x7ffce5be11000000u;
+};
+
+template <class Real>
+typename Bits<Real>::Type BitsAt(const void* values, uint64_t index) {
+  typename Bits<Real>::Type bits;
+  std::memcpy(&bits, static_cast<const std::byte*>(values) + index * sizeof bits, sizeof bits);
+  return bits;
+}
+
+/// Top bit set if the exponent is all ones: adding one to it carries into the sign.
+template <class Real>
+typename Bits<Real>::Type NonFiniteMark(typename Bits<Real>::Type bits) {
+  return (bits & Bits<Real>::kExponent) + Bits<Real>::kOne;
+}
+
+template <class Real>
+uint64_t FindNonFinite(const void* values, uint64_t count) {
+  for (uint64_t begin = 0; begin < count; begin += kBlock) {
+    const uint64_t end = std::min(count, begin + kBlock);
+    typename Bits<Real>::Type marks = 0;
+    for (uint64_t i = begin; i < end; ++i) marks |= NonFiniteMark<Real>(BitsAt<Real>(values, i));
+    if ((marks & Bits<Real>::kTop) == 0) continue;
+    for (uint64_t i = begin; i < end; ++i) {
+      if ((NonFiniteMark<Real>(BitsAt<Real>(values, i)) & Bits<Real>::kTop) != 0) return i;
+    }
+  }
+  return kNotFound;
+}
+
+template <class Real>
+void Add(void* sum, const void* addend, uint64_t count) {
+  auto* to = static_cast<Real*>(sum);
+  const auto* from = static_cast<const Real*>(addend);
+  for (uint64_t i = 0; i < count; ++i) to[i] += from[i];
+}
+
+template <class Real>
+void CopyCanonical(void* to, const void* from, uint64_t count) {
+  auto* target = static_cast<Real*>(to);
+  const auto* source = static_cast<const Real*>(from);
+  for (uint64_t i = 0; i < count; ++i) target[i] = source[i] + Real{0};
+}
+
+}  // namespace
+
+uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count) {
+  if (type == VESPER_F64) return FindNonFinite<double>(values, count);
+  if (type == VESPER_F32) return FindNonFinite<float>(values, count);
+  return kNotFound;
+}
+
+void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count) {
+  if (type == VESPER_F64) Add<double>(sum, addend, count);
+  if (type == VESPER_F32) Add<float>(sum, addend, count);
+}
+
+void FillUnwritten(vesper_scalar_type type, void* values, uint64_t count) {
+  if (type == VESPER_F64) {
+    std::fill_n(static_cast<double*>(values), count, std::bit_cast<double>(Bits<double>::kUnwritten));
+  } else if (type == VESPER_F32) {
+    std::fill_n(static_cast<float*>(values), count, std::bit_cast<float>(Bits<float>::kUnwritten));
+  }
+}
+
+bool IsUnwritten(vesper_scalar_type type, const void* values, uint64_t index) {
+  if (type == VESPER_F64) return BitsAt<double>(values, index) == Bits<double>::kUnwritten;
+  if (type == VESPER_F32) return BitsAt<float>(values, index) == Bits<float>::kUnwritten;
+  return false;
+}
+
+void CopyCanonical(vesper_scalar_type type, void* to, const void* from, uint64_t count) {
+  if (type == VESPER_F64) return CopyCanonical<double>(to, from, count);
+  if (type == VESPER_F32) return CopyCanonical<float>(to, from, count);
+  std::memcpy(to, from, count * sizeof(uint32_t));
+}
+
+uint64_t FindOutOfRange(const uint32_t* values, uint64_t count, uint64_t limit) {
+  const auto* end = values + count;
+  const auto* found = std::find_if(values, end, [limit](uint32_t v) { return v >= limit; });
+  return found == end ? kNotFound : static_cast<uint64_t>(found - values);
+}
+
+void Gather(void* to, const void* from, const uint32_t* indices, uint64_t count,
+            uint64_t row_size) {
+  auto* target = static_cast<std::byte*>(to);
+  const auto* source = static_cast<const std::byte*>(from);
+  for (uint64_t i = 0; i < count; ++i) {
+    std::memcpy(target + i * row_size, source + uint64_t{indices[i]} * row_size, row_size);
+  }
+}
+
+}  // namespace vesper

@@ -1,0 +1,38 @@
+// One law of a library, as an engine calls it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "vesper/law.h"
+
+namespace vesper {
+
+/// Owns the law's private data. Every call into the law goes through here; failures name it.
+class Law {
+ public:
+  /// Calls nothing of the law yet. `desc` outlives it.
+  explicit Law(const vesper_law_desc& desc);
+  ~Law();
+  Law(const Law&) = delete;
+  Law& operator=(const Law&) = delete;
+
+  void Create(const vesper_host& host, vesper_suite* suite, const std::vector<double>& parameters);
+  void Bind(const std::vector<vesper_property>& properties);
+  void Advance(const vesper_step& step);
+
+  const vesper_law_desc& desc() const { return desc_; }
+  /// "law hooke_spring", for messages.
+  const std::string& label() const { return label_; }
+  uint64_t calls() const { return calls_; }
+  uint64_t nanoseconds() const { return nanoseconds_; }
+
+ private:
+  const vesper_law_desc& desc_;
+  std::string label_;
+  vesper_law* law_ = nullptr;
+  uint64_t calls_ = 0;
+  uint64_t nanoseconds_ = 0;
+};
+
+}  // namespace vesper

@@ -1,0 +1,69 @@
+#include "law_library.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+#include "foreign_call.hpp"
+
+namespace vesper {
+
+LoadedLaw::LoadedLaw(const vesper_law_desc& desc, uint32_t law_index,
+                     std::vector<MatchedUse> matched, bool validate)
+    : law(desc), index(law_index), uses(std::move(matched)), runner(MakeRunner(law, validate)) {}
+
+bool LoadedLaw::Writes(uint32_t property) const {
+  return std::any_of(uses.begin(), uses.end(), [property](const MatchedUse& matched) {
+    return matched.property == property && (matched.use->access & VESPER_WRITE) != 0;
+  });
+}
+
+LawLibrary::LawLibrary(vesper_library_id id, std::string name, const Config& config,
+                       ThreadPool& pool)
+    : id_(id), name_(std::move(name)), config_(config), pool_(pool), host_{} {
+  host_.struct_size = sizeof host_;
+  host_.context = this;
+  host_.log = HostLog;
+  host_.parallel_for = HostParallelFor;
+}
+
+LawLibrary::~LawLibrary() {
+  while (!laws_.empty()) laws_.pop_back();
+  if (suite_ != nullptr) CallForeignQuietly([this] { close_(suite_); });
+}
+
+void LawLibrary::Create(const vesper_law_library& table,
+                        const std::vector<std::vector<double>>& parameters) {
+  if (table.open != nullptr) {
+    const std::string label = "library " + name_;
+    vesper_suite* suite = nullptr;
+    CallForeign(label, [&](vesper_error* error) { return table.open(&host_, &suite, error); });
+    if (suite == nullptr) {
+      throw Failure(VESPER_LAW_MISBEHAVED, "%s: open returned OK but no suite", label.c_str());
+    }
+    suite_ = suite;
+    close_ = table.close;
+  }
+  for (size_t i = 0; i < laws_.size(); ++i) {
+    try {
+      laws_[i]->law.Create(host_, suite_, parameters[i]);
+    } catch (Failure& failure) {
+      failure.Law(laws_[i]->index);
+      throw;
+    }
+  }
+}
+
+void LawLibrary::HostLog(void* context, uint32_t level, const char* message) {
+  const auto& library = *static_cast<const LawLibrary*>(context);
+  if (message == nullptr) return;
+  char line[512];
+  std::snprintf(line, sizeof line, "%s: %s", library.name_.c_str(), message);
+  library.config_.Log(level, line);
+}
+
+void LawLibrary::HostParallelFor(void* context, uint64_t count, uint64_t grain, RangeBody body,
+                                 void* user) {
+  static_cast<LawLibrary*>(context)->pool_.ParallelFor(count, grain, body, user);
+}
+
+}  // namespace vesper

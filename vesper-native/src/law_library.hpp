@@ -1,0 +1,72 @@
+// A law library that belongs to an engine.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "aligned_buffer.hpp"
+#include "config.hpp"
+#include "law.hpp"
+#include "law_runner.hpp"
+#include "prepared_library.hpp"
+#include "thread_pool.hpp"
+
+namespace vesper {
+
+/// A use of a law, matched with the prototype.
+struct MatchedUse {
+  uint32_t property;  // kNone: optional, and not in the prototype
+  const vesper_property_use* use;
+  AlignedBuffer share;  // what the law accumulates, where that is kept apart from the total
+};
+
+/// A law with everything the engine keeps for it.
+struct LoadedLaw {
+  LoadedLaw(const vesper_law_desc& desc, uint32_t law_index, std::vector<MatchedUse> matched,
+            bool validate);
+
+  bool Writes(uint32_t property) const;
+
+  Law law;
+  uint32_t index;  // within its library, in the engine's precision
+  std::vector<MatchedUse> uses;
+  std::unique_ptr<LawRunner> runner;
+  Targets targets;  // what it is bound to; empty before the first bind
+};
+
+/// Laws, the state they share, and the mapped file, dropped in this order.
+class LawLibrary {
+ public:
+  LawLibrary(vesper_library_id id, std::string name, const Config& config, ThreadPool& pool);
+  ~LawLibrary();
+  LawLibrary(const LawLibrary&) = delete;
+  LawLibrary& operator=(const LawLibrary&) = delete;
+
+  /// Makes the suite and the laws: one list of parameters for each law.
+  void Create(const vesper_law_library& table, const std::vector<std::vector<double>>& parameters);
+  /// From here on the mapped file is dropped with the library.
+  void Take(vesper_prepared_library* prepared) { prepared_.reset(prepared); }
+
+  vesper_library_id id() const { return id_; }
+  const std::string& name() const { return name_; }
+  std::vector<std::unique_ptr<LoadedLaw>>& laws() { return laws_; }
+  const std::vector<std::unique_ptr<LoadedLaw>>& laws() const { return laws_; }
+
+ private:
+  static void HostLog(void* context, uint32_t level, const char* message);
+  static void HostParallelFor(void* context, uint64_t count, uint64_t grain, RangeBody body,
+                              void* user);
+
+  vesper_library_id id_;
+  std::string name_;
+  const Config& config_;
+  ThreadPool& pool_;
+  vesper_host host_;
+  std::unique_ptr<vesper_prepared_library> prepared_;
+  vesper_suite* suite_ = nullptr;
+  void (*close_)(vesper_suite*) = nullptr;
+  std::vector<std::unique_ptr<LoadedLaw>> laws_;
+};
+
+}  // namespace vesper

@@ -1,0 +1,168 @@
+#include "law_runner.hpp"
+
+#include <cinttypes>
+#include <cstring>
+#include <string>
+
+#include "failure.hpp"
+#include "guarded_copy.hpp"
+#include "kernels.hpp"
+#include "unit.hpp"
+
+namespace vesper {
+namespace {
+
+uint64_t ValueCount(const vesper_property& property) {
+  return property.row_count * property.components;
+}
+
+size_t ByteSize(const vesper_property& property) {
+  return ValueCount(property) * ScalarSize(property.scalar_type);
+}
+
+/// memset, memcpy and memcmp must not see the null of an empty column.
+void Zero(const vesper_property& property) {
+  if (property.row_count > 0) std::memset(property.data, 0, ByteSize(property));
+}
+
+void Copy(const vesper_property& to, const vesper_property& from) {
+  if (to.row_count > 0) std::memcpy(to.data, from.data, ByteSize(to));
+}
+
+std::string PrintValue(const vesper_property& property, uint64_t index) {
+  double value;
+  if (property.scalar_type == VESPER_F32) {
+    value = static_cast<const float*>(property.data)[index];
+  } else {
+    value = static_cast<const double*>(property.data)[index];
+  }
+  return std::to_string(value);
+}
+
+Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row,
+                   const std::string& what) {
+  return Failure(VESPER_LAW_MISBEHAVED, "%s: property %s, row %" PRIu64 ": %s",
+                 law.label().c_str(), property.name, row, what.c_str())
+      .Property(property.name)
+      .Row(row);
+}
+
+void CheckFinite(const Law& law, const vesper_property& property) {
+  const uint64_t bad = FindNonFinite(property.scalar_type, property.data, ValueCount(property));
+  if (bad == kNotFound) return;
+  const uint64_t component = bad % property.components;
+  const bool unwritten = IsUnwritten(property.scalar_type, property.data, bad);
+  throw Misbehaved(law, property, bad / property.components,
+                   unwritten ? "declared WRITE, but the row was not written"
+                             : "wrote " + PrintValue(property, bad) + " to component " +
+                                   std::to_string(component));
+}
+
+class DirectRunner final : public LawRunner {
+ public:
+  explicit DirectRunner(Law& law) : law_(law) {}
+
+  void Bind(const Targets& targets) override {
+    targets_ = &targets;
+    law_.Bind(targets);
+  }
+
+  void Advance(const vesper_step& step) override {
+    for (const vesper_property& target : *targets_) {
+      if (target.access == VESPER_ACCUMULATE) Zero(target);
+    }
+    law_.Advance(step);
+    for (const vesper_property& target : *targets_) {
+      if (target.access != VESPER_READ) CheckFinite(law_, target);
+    }
+  }
+
+ private:
+  Law& law_;
+  const Targets* targets_ = nullptr;
+};
+
+class GuardedRunner final : public LawRunner {
+ public:
+  explicit GuardedRunner(Law& law) : law_(law) {}
+
+  void Bind(const Targets& targets) override {
+    targets_ = &targets;
+    seen_ = targets;
+    copies_.resize(targets.size());
+    for (size_t i = 0; i < targets.size(); ++i) {
+      if (targets[i].data == nullptr) continue;
+      copies_[i].Resize(ByteSize(targets[i]));
+      seen_[i].data = copies_[i].data();
+    }
+    CopyIn();
+    law_.Bind(seen_);
+    CheckKeptWord();
+  }
+
+  void Advance(const vesper_step& step) override {
+    CopyIn();
+    law_.Advance(step);
+    CheckKeptWord();
+    for (size_t i = 0; i < seen_.size(); ++i) {
+      if (seen_[i].access != VESPER_READ) CheckFinite(law_, seen_[i]);
+    }
+    for (size_t i = 0; i < seen_.size(); ++i) {
+      if (seen_[i].access != VESPER_READ) Copy((*targets_)[i], seen_[i]);
+    }
+  }
+
+ private:
+  void CopyIn() {
+    for (size_t i = 0; i < seen_.size(); ++i) {
+      if (seen_[i].access == VESPER_ACCUMULATE) {
+        Zero(seen_[i]);
+      } else {
+        Copy(seen_[i], (*targets_)[i]);
+      }
+      if (seen_[i].access == VESPER_WRITE) {
+        FillUnwritten(seen_[i].scalar_type, seen_[i].data, ValueCount(seen_[i]));
+      }
+    }
+  }
+
+  /// No write outside the arrays, and none to what is declared READ.
+  void CheckKeptWord() const {
+    for (size_t i = 0; i < seen_.size(); ++i) {
+      const vesper_property& seen = seen_[i];
+      if (seen.data == nullptr) continue;
+      if (!copies_[i].FrontIntact()) throw Misbehaved(law_, seen, 0, "wrote before the first row");
+      if (!copies_[i].BackIntact()) {
+        throw Misbehaved(law_, seen, seen.row_count, "wrote past the last row");
+      }
+      if (seen.access == VESPER_READ) CheckUnchanged(i);
+    }
+  }
+
+  void CheckUnchanged(size_t i) const {
+    const vesper_property& seen = seen_[i];
+    const vesper_property& target = (*targets_)[i];
+    if (seen.row_count == 0 || std::memcmp(seen.data, target.data, ByteSize(seen)) == 0) return;
+    const size_t row_size = ByteSize(seen) / seen.row_count;
+    uint64_t row = 0;
+    while (std::memcmp(static_cast<const std::byte*>(seen.data) + row * row_size,
+                       static_cast<const std::byte*>(target.data) + row * row_size, row_size) == 0) {
+      ++row;
+    }
+    throw Misbehaved(law_, seen, row, "declared READ, but the row was changed");
+  }
+
+  Law& law_;
+  const Targets* targets_ = nullptr;
+  Targets seen_;
+  std::vector<GuardedCopy> copies_;
+};
+
+}  // namespace
+
+std::unique_ptr<LawRunner> MakeRunner(Law& law, bool validate) {
+  if (validate) return std::make_unique<GuardedRunner>(law);
+  return std::make_unique<DirectRunner>(law);
+}
+
+}  // namespace vesper

@@ -1,0 +1,28 @@
+// How an engine drives a law over its arrays: in place, or on guarded copies.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "law.hpp"
+
+namespace vesper {
+
+/// Arrays of a law's uses in their order, as far as the engine is concerned.
+using Targets = std::vector<vesper_property>;
+
+class LawRunner {
+ public:
+  virtual ~LawRunner() = default;
+
+  /// Lets the law see `targets`, which outlive the next Bind.
+  virtual void Bind(const Targets& targets) = 0;
+  /// Zeroes what the law accumulates into, applies the law, and throws LAW_MISBEHAVED if it wrote
+  /// NaN or infinity. What it wrote is in the targets after success only, or undefined.
+  virtual void Advance(const vesper_step& step) = 0;
+};
+
+/// In place, or, if `validate`, on copies that hold the law to its declaration.
+std::unique_ptr<LawRunner> MakeRunner(Law& law, bool validate);
+
+}  // namespace vesper

@@ -1,0 +1,146 @@
+#include "law_table.hpp"
+
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <string>
+
+#include "failure.hpp"
+#include "struct_array.hpp"
+#include "unit.hpp"
+
+namespace vesper {
+namespace {
+
+constexpr uint32_t kMaxStages = 16;
+constexpr uint32_t kAllClaims = VESPER_CLAIM_MOMENTUM | VESPER_CLAIM_ANGULAR_MOMENTUM |
+                                VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION;
+
+[[noreturn]] void Reject(const std::string& where, const char* what) {
+  throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", where.c_str(), what);
+}
+
+void Require(bool condition, const std::string& where, const char* what) {
+  if (!condition) Reject(where, what);
+}
+
+void CheckAbi(const vesper_law_library& library, const char* source) {
+  const uint32_t major = library.abi_version >> 16;
+  const uint32_t minor = library.abi_version & 0xffff;
+  if (major == VESPER_ABI_MAJOR && minor <= VESPER_ABI_MINOR) return;
+  throw Failure(VESPER_ABI_MISMATCH, "law library %s built for %u.%u, engine speaks %u.%u", source,
+                major, minor, VESPER_ABI_MAJOR, VESPER_ABI_MINOR);
+}
+
+bool IsVersion(const char* text) {
+  unsigned major, minor, patch;
+  int length = 0;
+  return text != nullptr && std::sscanf(text, "%u.%u.%u%n", &major, &minor, &patch, &length) == 3 &&
+         text[length] == '\0';
+}
+
+void CheckUse(const vesper_property_use& use, const vesper_law_desc& law, const std::string& where) {
+  Require(IsValidName(use.name), where, "a property use has no valid name");
+  const std::string name = where + ", property " + use.name;
+  Require(IsValidName(use.kind), name, "kind is no valid name");
+  Require(ScalarSize(use.scalar_type) != 0, name, "unknown scalar_type");
+  Require(use.components > 0, name, "components is 0");
+  Require(IsValidUnit(use.unit), name, "unit has no finite positive scale or no symbol end");
+  Require((use.flags & ~VESPER_USE_OPTIONAL) == 0, name, "unknown flags");
+  Require(use.access >= VESPER_READ && use.access <= VESPER_ACCUMULATE, name,
+          "access must be READ, WRITE, READ_WRITE or ACCUMULATE");
+  if (use.access == VESPER_ACCUMULATE) {
+    Require(law.phase == VESPER_PHASE_FORCE, name, "ACCUMULATE is for laws of phase FORCE");
+    Require(IsReal(use.scalar_type), name, "only real properties accumulate");
+  }
+}
+
+void CheckUses(const vesper_law_desc& law, const std::string& where) {
+  const StructArray uses(law.uses, law.use_count, "uses");
+  for (uint32_t i = 0; i < uses.size(); ++i) {
+    CheckUse(uses[i], law, where);
+    for (uint32_t j = 0; j < i; ++j) {
+      Require(std::strcmp(uses[i].name, uses[j].name) != 0, where + ", property " + uses[i].name,
+              "is used twice");
+    }
+  }
+}
+
+void CheckParameters(const vesper_law_desc& law, const std::string& where) {
+  const StructArray parameters(law.parameters, law.parameter_count, "parameters");
+  for (uint32_t i = 0; i < parameters.size(); ++i) {
+    const vesper_parameter_desc& parameter = parameters[i];
+    Require(IsValidName(parameter.name), where, "a parameter has no valid name");
+    const std::string name = where + ", parameter " + parameter.name;
+    Require(parameter.doc != nullptr, name, "doc is null");
+    Require(IsValidUnit(parameter.unit), name, "unit has no finite positive scale or no symbol end");
+    Require(std::isfinite(parameter.default_value) && parameter.default_value >= parameter.minimum &&
+                parameter.default_value <= parameter.maximum,
+            name, "default_value is not within minimum and maximum");
+    for (uint32_t j = 0; j < i; ++j) {
+      Require(std::strcmp(parameter.name, parameters[j].name) != 0, name, "is declared twice");
+    }
+  }
+}
+
+void CheckLaw(const vesper_law_desc& law, const std::string& library) {
+  Require(IsValidName(law.name), library, "a law has no valid name");
+  const std::string where = library + ", law " + law.name;
+  Require(law.real_type == 0 || IsReal(law.real_type), where, "real_type must be f32, f64 or 0");
+  Require(IsVersion(law.version), where, "version is not of the form 1.2.3");
+  Require(law.doc != nullptr, where, "doc is null");
+  Require(law.phase >= VESPER_PHASE_FORCE && law.phase <= VESPER_PHASE_OBSERVE, where,
+          "unknown phase");
+  if (law.phase == VESPER_PHASE_INTEGRATE) {
+    Require(law.stages >= 1 && law.stages <= kMaxStages, where, "stages must be 1 to 16");
+  } else {
+    Require(law.stages == 0, where, "stages is for laws of phase INTEGRATE");
+  }
+  Require(law.use_count <= kMaxTableEntries, where, "use_count is implausible");
+  Require(law.parameter_count <= kMaxTableEntries, where, "parameter_count is implausible");
+  Require((law.claims & ~kAllClaims) == 0, where, "unknown claims");
+  Require(law.create != nullptr && law.bind != nullptr && law.advance != nullptr &&
+              law.destroy != nullptr,
+          where, "create, bind, advance and destroy are required");
+  CheckUses(law, where);
+  CheckParameters(law, where);
+}
+
+bool ServeOnePrototype(const vesper_law_desc& a, const vesper_law_desc& b) {
+  return a.real_type == b.real_type || a.real_type == 0 || b.real_type == 0;
+}
+
+void CheckLaws(const vesper_law_library& library, const std::string& where) {
+  const StructArray laws(library.laws, library.law_count, "laws");
+  for (uint32_t i = 0; i < laws.size(); ++i) {
+    CheckLaw(laws[i], where);
+    for (uint32_t j = 0; j < i; ++j) {
+      Require(std::strcmp(laws[i].name, laws[j].name) != 0 || !ServeOnePrototype(laws[i], laws[j]),
+              where + ", law " + laws[i].name, "is there twice for one precision");
+    }
+  }
+}
+
+}  // namespace
+
+void CheckLawLibrary(const vesper_law_library* library, const char* source) {
+  const std::string file(source);
+  Require(library != nullptr, file, VESPER_LAW_LIBRARY_ENTRY " returned null");
+  Require(reinterpret_cast<uintptr_t>(library) % alignof(vesper_law_library) == 0, file,
+          VESPER_LAW_LIBRARY_ENTRY " returned a misaligned pointer");
+  CheckAbi(*library, source);
+  try {
+    CheckStructSize(*library, "vesper_law_library");
+    Require(IsValidName(library->name), file, "the library has no valid name");
+    Require(library->law_count >= 1 && library->law_count <= kMaxTableEntries, file,
+            "law_count must be 1 to 256");
+    Require((library->open == nullptr) == (library->close == nullptr), file,
+            "open and close go together");
+    CheckLaws(*library, file);
+  } catch (Failure& failure) {
+    if (failure.status() == VESPER_LIBRARY_LOAD_FAILED) throw;
+    throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", source, failure.error().message);
+  }
+}
+
+}  // namespace vesper

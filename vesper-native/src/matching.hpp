@@ -1,0 +1,28 @@
+// Decides whether a law fits an engine, before any of the law's code runs.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "columns.hpp"
+#include "law_library.hpp"
+#include "prototype.hpp"
+
+namespace vesper {
+
+/// Matches each use of `law` with a property; throws NOT_FOUND, TYPE_MISMATCH, UNIT_MISMATCH or
+/// ACCESS_CONFLICT that names the law, the property, what was found and what was expected.
+std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& prototype,
+                                  const Columns& columns);
+
+/// Throws ACCESS_CONFLICT if the two cannot act in one engine.
+void CheckCompatible(const LoadedLaw& a, const LoadedLaw& b, const Prototype& prototype);
+
+/// Values for the parameters of all `laws` of a library: given ones, else defaults. Throws
+/// NOT_FOUND for an unknown name, INVALID_ARGUMENT for an ambiguous name or a bad value, and
+/// ALREADY_EXISTS for a name that is given twice.
+std::vector<std::vector<double>> ResolveParameters(
+    const std::vector<std::unique_ptr<LoadedLaw>>& laws, const vesper_parameter* parameters,
+    uint32_t count);
+
+}  // namespace vesper

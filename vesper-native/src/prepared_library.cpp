@@ -1,0 +1,167 @@
+#include "prepared_library.hpp"
+
+#include <dlfcn.h>
+#include <fcntl.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <xxhash.h>
+
+#include <algorithm>
+#include <cinttypes>
+#include <cstddef>
+#include <cstdio>
+#include <vector>
+
+#include "elf_file.hpp"
+#include "failure.hpp"
+#include "floating_point.hpp"
+#include "law_table.hpp"
+#include "probe_process.hpp"
+#include "unit.hpp"
+
+namespace vesper {
+namespace {
+
+constexpr uint64_t kMaxLibrarySize = uint64_t{64} << 20;
+
+Failure LoadFailure(const std::string& source, const char* what) {
+  return Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", source.c_str(), what);
+}
+
+/// The file that a bare name stands for, in the first folder of the law path that has it.
+std::string Search(const std::string& law_path, const std::string& name) {
+  if (!IsValidName(name.c_str())) {
+    throw Failure(VESPER_INVALID_ARGUMENT,
+                  "law library '%.60s': a name is letters, digits, '_' and '-'; a path holds a '/'",
+                  name.c_str());
+  }
+  const std::string file = "libvesper_law_" + name + ".so";
+  for (size_t begin = 0; begin < law_path.size();) {
+    const size_t end = std::min(law_path.find(':', begin), law_path.size());
+    const std::string candidate = law_path.substr(begin, end - begin) + "/" + file;
+    if (end > begin && access(candidate.c_str(), F_OK) == 0) return candidate;
+    begin = end + 1;
+  }
+  throw Failure(VESPER_NOT_FOUND, "no %s in the law path '%s'", file.c_str(), law_path.c_str());
+}
+
+/// Non-blocking, so that a FIFO cannot hold the caller up.
+Descriptor OpenRegularFile(const std::string& path, struct stat& status) {
+  const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+  if (fd < 0 && errno == ENOENT) {
+    throw Failure(VESPER_NOT_FOUND, "%s: no such file", path.c_str());
+  }
+  if (fd < 0) throw LoadFailure(path, std::strerror(errno));
+  Descriptor file(fd, "open");
+  if (fstat(fd, &status) != 0) throw LoadFailure(path, std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) throw LoadFailure(path, "not a regular file");
+  if (static_cast<uint64_t>(status.st_size) > kMaxLibrarySize) {
+    throw Failure(VESPER_LIBRARY_LOAD_FAILED,
+                  "%s: has %" PRId64 " bytes, a law library has at most %" PRIu64, path.c_str(),
+                  static_cast<int64_t>(status.st_size), kMaxLibrarySize);
+  }
+  return file;
+}
+
+bool SameVersion(const struct stat& a, const struct stat& b) {
+  return a.st_size == b.st_size && a.st_mtim.tv_sec == b.st_mtim.tv_sec &&
+         a.st_mtim.tv_nsec == b.st_mtim.tv_nsec;
+}
+
+/// The whole file, refused if it changes while it is read.
+std::vector<std::byte> ReadStable(const std::string& path) {
+  struct stat before{};
+  const Descriptor file = OpenRegularFile(path, before);
+  std::vector<std::byte> bytes(static_cast<size_t>(before.st_size));
+  size_t done = 0;
+  while (done < bytes.size()) {
+    const ssize_t size = read(file.get(), bytes.data() + done, bytes.size() - done);
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) throw LoadFailure(path, std::strerror(errno));
+    if (size == 0) break;
+    done += static_cast<size_t>(size);
+  }
+  struct stat after{};
+  if (done != bytes.size() || fstat(file.get(), &after) != 0 || !SameVersion(before, after)) {
+    throw LoadFailure(path, "the file changed while it was read; load it again when it is complete");
+  }
+  return bytes;
+}
+
+std::string ContentName(const std::string& source, const std::vector<std::byte>& bytes) {
+  const XXH128_hash_t hash = XXH3_128bits(bytes.data(), bytes.size());
+  char digits[33];
+  std::snprintf(digits, sizeof digits, "%016" PRIx64 "%016" PRIx64, hash.high64, hash.low64);
+  return source.substr(source.rfind('/') + 1, 128) + "-" + digits;
+}
+
+void WriteAll(int fd, const std::vector<std::byte>& bytes) {
+  for (size_t done = 0; done < bytes.size();) {
+    const ssize_t size = write(fd, bytes.data() + done, bytes.size() - done);
+    if (size < 0 && errno == EINTR) continue;
+    if (size < 0) {
+      throw Failure(VESPER_INTERNAL, "copying a law library: %s", std::strerror(errno));
+    }
+    done += static_cast<size_t>(size);
+  }
+}
+
+/// What the loader says, without the private name that it was given.
+std::string LoaderMessage(const std::string& private_path) {
+  const char* message = dlerror();
+  std::string text = message != nullptr ? message : "unknown loader error";
+  if (text.starts_with(private_path + ": ")) text.erase(0, private_path.size() + 2);
+  return text;
+}
+
+}  // namespace
+
+SealedCopy::SealedCopy(const Config& config, const std::string& library)
+    : source_(library.find('/') != std::string::npos ? library : Search(config.law_path, library)) {
+  const std::vector<std::byte> bytes = ReadStable(source_);
+  CheckSharedObject(bytes, source_);
+  memory_ = Descriptor(
+      memfd_create(ContentName(source_, bytes).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING),
+      "memory for the copy of a law library");
+  WriteAll(memory_.get(), bytes);
+  const int seals = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;
+  if (fcntl(memory_.get(), F_ADD_SEALS, seals) != 0) {
+    throw Failure(VESPER_INTERNAL, "sealing the copy of a law library: %s", std::strerror(errno));
+  }
+  path_ = "/proc/self/fd/" + std::to_string(memory_.get());
+}
+
+MappedLibrary::MappedLibrary(const Config& config, const std::string& library)
+    : copy_(config, library) {
+  ProbeLibrary(config, copy_);
+  const FloatingPointGuard guard;
+  handle_ = dlopen(copy_.path().c_str(), RTLD_NOW | RTLD_LOCAL);
+  if (handle_ == nullptr) {
+    throw LoadFailure(copy_.source(), LoaderMessage(copy_.path()).c_str());
+  }
+}
+
+MappedLibrary::~MappedLibrary() {
+  const FloatingPointGuard guard;
+  dlclose(handle_);
+  // A library that refuses to go keeps its private name too, lest the loader take the next one
+  // of that name for it.
+  if (void* kept = dlopen(copy_.path().c_str(), RTLD_NOW | RTLD_LOCAL | RTLD_NOLOAD)) {
+    dlclose(kept);
+    copy_.Abandon();
+  }
+}
+
+const vesper_law_library& MappedLibrary::Table() const {
+  const auto entry = reinterpret_cast<decltype(&vesper_law_library_entry)>(
+      dlsym(handle_, VESPER_LAW_LIBRARY_ENTRY));
+  if (entry == nullptr) {
+    throw LoadFailure(copy_.source(), "does not export " VESPER_LAW_LIBRARY_ENTRY);
+  }
+  const FloatingPointGuard guard;
+  const vesper_law_library* table = entry();
+  CheckLawLibrary(table, copy_.source().c_str());
+  return *table;
+}
+
+}  // namespace vesper

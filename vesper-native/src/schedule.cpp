@@ -1,0 +1,159 @@
+#include "schedule.hpp"
+
+#include <algorithm>
+
+#include "failure.hpp"
+
+namespace vesper {
+namespace {
+
+bool SameArrays(const Targets& a, const Targets& b) {
+  return std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                    [](const vesper_property& x, const vesper_property& y) {
+                      return x.data == y.data && x.row_count == y.row_count &&
+                             x.version == y.version;
+                    });
+}
+
+/// Runs `body`; what it throws is laid at the door of the law.
+template <class Body>
+void OnBehalfOf(const ScheduledLaw& scheduled, uint32_t stage, Body&& body) {
+  try {
+    body();
+  } catch (Failure& failure) {
+    failure.Library(scheduled.library).Law(scheduled.law->index).Stage(stage);
+    throw;
+  }
+}
+
+}  // namespace
+
+void Schedule::Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries) {
+  for (auto* laws : {&force_, &integrate_, &constrain_, &observe_}) laws->clear();
+  stage_count_ = 1;
+  accumulations_.clear();
+  for (uint32_t property = 0; property < columns_.size(); ++property) {
+    if (columns_.spec(property).IsAccumulator()) accumulations_.emplace_back(columns_, property);
+  }
+  for (const auto& library : libraries) {
+    for (const auto& law : library->laws()) PlanLaw({law.get(), library->id()});
+  }
+  bound_generation_ = 0;
+}
+
+void Schedule::PlanLaw(const ScheduledLaw& scheduled) {
+  const vesper_law_desc& desc = scheduled.law->law.desc();
+  switch (desc.phase) {
+    case VESPER_PHASE_FORCE: force_.push_back(scheduled); break;
+    case VESPER_PHASE_INTEGRATE:
+      integrate_.push_back(scheduled);
+      stage_count_ = desc.stages;
+      break;
+    case VESPER_PHASE_CONSTRAIN: constrain_.push_back(scheduled); break;
+    case VESPER_PHASE_OBSERVE: observe_.push_back(scheduled); break;
+  }
+  for (MatchedUse& matched : scheduled.law->uses) {
+    if (matched.property == kNone || matched.use->access != VESPER_ACCUMULATE) continue;
+    FindAccumulation(matched.property).AddShare(*scheduled.law, scheduled.library, matched);
+  }
+}
+
+Accumulation& Schedule::FindAccumulation(uint32_t property) {
+  return *std::find_if(accumulations_.begin(), accumulations_.end(),
+                       [property](const Accumulation& a) { return a.property() == property; });
+}
+
+void Schedule::Forget() {
+  for (auto* laws : {&force_, &integrate_, &constrain_, &observe_}) {
+    for (const ScheduledLaw& scheduled : *laws) scheduled.law->targets.clear();
+  }
+  bound_generation_ = 0;
+}
+
+void Schedule::Bind() {
+  if (bound_generation_ == columns_.generation()) return;
+  for (auto* laws : {&force_, &integrate_, &constrain_, &observe_}) {
+    for (const ScheduledLaw& scheduled : *laws) {
+      OnBehalfOf(scheduled, 0, [&] { BindLaw(*scheduled.law); });
+    }
+  }
+  bound_generation_ = columns_.generation();
+}
+
+void Schedule::BindLaw(LoadedLaw& law) {
+  targets_.clear();
+  for (MatchedUse& matched : law.uses) targets_.push_back(Target(law, matched));
+  const bool bound_before = law.targets.size() == targets_.size() && !law.targets.empty();
+  if (bound_before && SameArrays(law.targets, targets_)) return;
+  law.targets = targets_;
+  try {
+    law.runner->Bind(law.targets);
+  } catch (...) {
+    law.targets.clear();
+    throw;
+  }
+}
+
+vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
+  const vesper_property_use& use = *matched.use;
+  vesper_property target{};
+  target.struct_size = sizeof target;
+  target.scalar_type = use.scalar_type;
+  target.name = use.name;
+  target.kind = use.kind;
+  target.components = use.components;
+  target.access = use.access;
+  if (matched.property == kNone || !columns_[matched.property].bound) {
+    if ((use.flags & VESPER_USE_OPTIONAL) != 0) return target;
+    throw Failure(VESPER_NOT_FOUND, "%s: needs property %s, which is not bound; add it first",
+                  law.law.label().c_str(), use.name)
+        .Property(use.name);
+  }
+  const Column& column = columns_[matched.property];
+  target.data = column.data();
+  target.row_count = column.arrays.row_count;
+  target.version = column.version;
+  if (use.access == VESPER_ACCUMULATE && !FindAccumulation(matched.property).InPlace()) {
+    matched.share.Resize(target.row_count * columns_.spec(matched.property).row_size);
+    target.data = matched.share.data();
+  }
+  return target;
+}
+
+void Schedule::RunStep(double dt, uint64_t step_index) {
+  vesper_step step{};
+  step.struct_size = sizeof step;
+  step.stage_count = stage_count_;
+  step.dt = dt;
+  step.time = static_cast<double>(step_index) * dt;
+  step.index = step_index;
+  Run(integrate_, step);
+  for (step.stage = 1; step.stage <= stage_count_; ++step.stage) {
+    Run(force_, step);
+    SumShares(step.stage);
+    Run(integrate_, step);
+  }
+  step.stage = stage_count_;
+  Run(constrain_, step);
+  Run(observe_, step);
+}
+
+void Schedule::Run(const std::vector<ScheduledLaw>& laws, const vesper_step& step) {
+  for (const ScheduledLaw& scheduled : laws) {
+    OnBehalfOf(scheduled, step.stage, [&] { scheduled.law->runner->Advance(step); });
+  }
+}
+
+void Schedule::SumShares(uint32_t stage) {
+  for (const Accumulation& accumulation : accumulations_) {
+    if (!columns_[accumulation.property()].bound) continue;
+    try {
+      accumulation.Sum();
+    } catch (Failure& failure) {
+      failure.Stage(stage);
+      throw;
+    }
+  }
+}
+
+}  // namespace vesper

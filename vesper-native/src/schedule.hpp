@@ -1,0 +1,49 @@
+// Which law runs when, on which arrays: one step of the simulation.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "accumulation.hpp"
+#include "columns.hpp"
+#include "law_library.hpp"
+
+namespace vesper {
+
+/// A law and the library to blame for it.
+struct ScheduledLaw {
+  LoadedLaw* law;
+  vesper_library_id library;
+};
+
+class Schedule {
+ public:
+  explicit Schedule(Columns& columns) : columns_(columns) {}
+
+  /// Takes over which laws there are. Their order in time is phase, then order of loading.
+  void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
+  /// Lets every law see its arrays again at the next Bind, changed or not.
+  void Forget();
+  /// Hands the present columns to all laws whose arrays changed. Throws NOT_FOUND if one is
+  /// missing, or what a law answers. Columns are fresh.
+  void Bind();
+  /// Runs all laws once around. Throws what is wrong, with library, law and stage.
+  void RunStep(double dt, uint64_t step_index);
+
+ private:
+  void PlanLaw(const ScheduledLaw& scheduled);
+  Accumulation& FindAccumulation(uint32_t property);
+  void BindLaw(LoadedLaw& law);
+  vesper_property Target(const LoadedLaw& law, MatchedUse& matched);
+  void Run(const std::vector<ScheduledLaw>& laws, const vesper_step& step);
+  void SumShares(uint32_t stage);
+
+  Columns& columns_;
+  std::vector<ScheduledLaw> force_, integrate_, constrain_, observe_;
+  uint32_t stage_count_ = 1;
+  std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
+  Targets targets_;  // of the law being bound; kept for its memory
+  uint64_t bound_generation_ = 0;
+};
+
+}  // namespace vesper

@@ -1,0 +1,97 @@
+// The prototypes that ship with the engine. Same tables, two precisions.
+#include <cstring>
+#include <iterator>
+
+#include "vesper/engine.h"
+
+namespace vesper {
+namespace {
+
+constexpr vesper_access kAccumulator = VESPER_READ | VESPER_ACCUMULATE;
+
+constexpr vesper_property_descriptor Describe(vesper_scalar_type type, uint32_t components,
+                                              const char* kind, const char* name, vesper_unit unit,
+                                              vesper_access access, const char* doc,
+                                              const char* initial_from = nullptr) {
+  return {sizeof(vesper_property_descriptor), type, name, kind, components, access, unit, nullptr,
+          initial_from, doc};
+}
+
+constexpr vesper_property_descriptor Refer(uint32_t components, const char* kind, const char* name,
+                                           const char* refers_to, const char* doc) {
+  return {sizeof(vesper_property_descriptor), VESPER_U32, name, kind, components, VESPER_READ,
+          VESPER_UNIT_ONE, refers_to, nullptr, doc};
+}
+
+template <vesper_scalar_type real>
+constexpr vesper_property_descriptor kProperties[] = {
+    Describe(real, 1, "body", "mass", VESPER_UNIT_KILOGRAM, VESPER_READ,
+             "Mass; 0 means immovable."),
+    Describe(real, 1, "body", "charge", VESPER_UNIT_COULOMB, VESPER_READ, "Electric charge."),
+    Describe(real, 3, "body", "position", VESPER_UNIT_METRE, VESPER_READ_WRITE,
+             "Centre of mass in the world frame."),
+    Describe(real, 3, "body", "velocity", VESPER_UNIT_METRE_PER_SECOND, VESPER_READ_WRITE,
+             "Velocity of the centre of mass."),
+    Describe(real, 3, "body", "acceleration", VESPER_UNIT_METRE_PER_SECOND_SQUARED, VESPER_WRITE,
+             "Acceleration of the last step."),
+    Describe(real, 3, "body", "externalForce", VESPER_UNIT_NEWTON, kAccumulator,
+             "Sum of all forces of the stage.", "appliedForce"),
+    Describe(real, 3, "body", "appliedForce", VESPER_UNIT_NEWTON, VESPER_READ,
+             "Force that the client applies, constant over a call of advance."),
+    Describe(real, 1, "body", "radius", VESPER_UNIT_METRE, VESPER_READ,
+             "Radius of the body taken as a ball."),
+    Describe(real, 4, "body", "orientation", VESPER_UNIT_ONE, VESPER_READ_WRITE,
+             "Unit quaternion xyzw, body frame to world frame."),
+    Describe(real, 3, "body", "angularVelocity", VESPER_UNIT_RADIAN_PER_SECOND, VESPER_READ_WRITE,
+             "Angular velocity in the world frame."),
+    Describe(real, 3, "body", "inertia", VESPER_UNIT_KILOGRAM_METRE_SQUARED, VESPER_READ,
+             "Principal moments of inertia in the body frame."),
+    Describe(real, 3, "body", "torque", VESPER_UNIT_NEWTON_METRE, kAccumulator,
+             "Sum of all torques of the stage about the centre of mass."),
+    Describe(real, 1, "body", "dragCoefficient", VESPER_UNIT_KILOGRAM_PER_METRE, VESPER_READ,
+             "Force of quadratic drag per squared speed."),
+
+    Refer(2, "spring", "endpoints", "body", "Rows of the two bodies it joins."),
+    Describe(real, 1, "spring", "length", VESPER_UNIT_METRE, VESPER_READ, "Rest length."),
+    Describe(real, 1, "spring", "hookeConstant", VESPER_UNIT_NEWTON_PER_METRE, VESPER_READ,
+             "Force per elongation."),
+    Describe(real, 1, "spring", "dampingConstant", VESPER_UNIT_NEWTON_SECOND_PER_METRE,
+             VESPER_READ, "Force per speed of elongation."),
+
+    Refer(3, "surface", "vertices", "body", "Rows of the three bodies that span the triangle."),
+    Describe(real, 1, "surface", "hardness", VESPER_UNIT_NEWTON_PER_METRE, VESPER_READ,
+             "Contact force per depth of penetration."),
+    Describe(real, 1, "surface", "surfaceDamping", VESPER_UNIT_NEWTON_SECOND_PER_METRE, VESPER_READ,
+             "Contact force per speed of penetration."),
+    Describe(real, 1, "surface", "frictionCoefficient", VESPER_UNIT_ONE, VESPER_READ,
+             "Friction force per normal force."),
+
+    Describe(real, 1, "world", "gravitationalConstant", VESPER_UNIT_GRAVITATIONAL_CONSTANT,
+             VESPER_READ, "Constant of Newton's law of gravitation."),
+    Describe(real, 3, "world", "gravity", VESPER_UNIT_METRE_PER_SECOND_SQUARED, VESPER_READ,
+             "Uniform gravitational field."),
+    Describe(real, 1, "world", "softening", VESPER_UNIT_METRE, VESPER_READ,
+             "Length below which gravitation is softened."),
+};
+
+template <vesper_scalar_type real>
+constexpr vesper_prototype Standard(const char* name) {
+  return {sizeof(vesper_prototype), real, name, VESPER_UNIT_SECOND,
+          static_cast<uint32_t>(std::size(kProperties<real>)), 0, kProperties<real>};
+}
+
+constexpr vesper_prototype kStandardPrototypes[] = {
+    Standard<VESPER_F64>("si-f64"),
+    Standard<VESPER_F32>("si-f32"),
+};
+
+}  // namespace
+}  // namespace vesper
+
+const vesper_prototype* vesper_prototype_standard(const char* name) noexcept {
+  if (name == nullptr) return nullptr;
+  for (const vesper_prototype& prototype : vesper::kStandardPrototypes) {
+    if (std::strcmp(prototype.name, name) == 0) return &prototype;
+  }
+  return nullptr;
+}

@@ -1,0 +1,43 @@
+#include "thread_pool.hpp"
+
+#include <oneapi/tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "floating_point.hpp"
+
+namespace vesper {
+namespace {
+
+constexpr uint64_t kMinGrain = 1024;
+constexpr uint64_t kMaxChunks = 256;
+
+uint64_t ChooseGrain(uint64_t count) { return std::max(kMinGrain, count / kMaxChunks + 1); }
+
+}  // namespace
+
+ThreadPool::ThreadPool(uint32_t threads) {
+  if (threads > 1) arena_.emplace(static_cast<int>(threads));
+}
+
+void ThreadPool::ParallelFor(uint64_t count, uint64_t grain, RangeBody body, void* user) {
+  if (count == 0) return;
+  if (grain == 0) grain = ChooseGrain(count);
+  const uint64_t chunks = (count - 1) / grain + 1;
+  const auto run = [=](uint64_t chunk) {
+    const uint64_t begin = chunk * grain;
+    body(user, begin, begin + std::min(grain, count - begin));
+  };
+  if (!arena_ || chunks == 1) {
+    for (uint64_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
+    return;
+  }
+  arena_->execute([&] {
+    tbb::parallel_for(uint64_t{0}, chunks, [&](uint64_t chunk) {
+      const FloatingPointGuard guard;
+      run(chunk);
+    });
+  });
+}
+
+}  // namespace vesper

@@ -1,0 +1,99 @@
+// How the forces of several laws become one sum.
+#include <limits>
+
+#include "test_kit.hpp"
+
+namespace vesper::test {
+namespace {
+
+class AccumulationTest : public BothModes {};
+IN_BOTH_MODES(AccumulationTest);
+
+TEST_P(AccumulationTest, SumStartsFromZeroInEveryStep) {
+  Bodies bodies(2);
+  bodies.force.assign(6, 99);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("push", {{"force", 2}});
+  EXPECT_OK(engine.Advance(1, 3));
+  EXPECT_EQ(bodies.force, (std::vector<double>{2, 0, 0, 2, 0, 0}));
+}
+
+TEST_P(AccumulationTest, SumIsZeroWithoutALawThatAdds) {
+  Bodies bodies(2);
+  bodies.force.assign(6, 99);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("euler");
+  EXPECT_OK(engine.Advance(1, 1));
+  EXPECT_EQ(bodies.force, std::vector<double>(6, 0));
+}
+
+TEST_P(AccumulationTest, SharesOfSeveralLawsAddUp) {
+  Bodies bodies(2);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("push", {{"force", 2}});
+  const vesper_library_id again = engine.Load("push_again", {{"force", 8}});
+  EXPECT_OK(engine.Advance(1, 3));
+  EXPECT_EQ(bodies.force, (std::vector<double>{10, 0, 0, 10, 0, 0}));
+  EXPECT_OK(engine.Unload(again));
+  EXPECT_OK(engine.Advance(1, 1));
+  EXPECT_EQ(bodies.force, (std::vector<double>{2, 0, 0, 2, 0, 0}));
+}
+
+TEST_P(AccumulationTest, SumStartsFromTheAppliedForce) {
+  Bodies bodies(2);
+  bodies.applied = {1, 2, 3, 4, 5, 6};
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  EXPECT_OK(engine.Add("appliedForce", bodies.applied, 3));
+  EXPECT_OK(engine.Advance(1, 1));
+  EXPECT_EQ(bodies.force, bodies.applied);
+  engine.Load("push", {{"force", 10}});
+  EXPECT_OK(engine.Advance(1, 2));
+  EXPECT_EQ(bodies.force, (std::vector<double>{11, 2, 3, 14, 5, 6}));
+}
+
+TEST_P(AccumulationTest, SharesAreRoundedOnTheirOwnAndSummedInOrderOfLoading) {
+  // Each push adds twice; into the running sum 1e16 both halves of 1 would vanish.
+  Bodies bodies(1);
+  bodies.applied = {1e16, 0, 0};
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  EXPECT_OK(engine.Add("appliedForce", bodies.applied, 3));
+  engine.Load("push", {{"force", 2}});
+  engine.Load("push_again", {{"force", -1e16}});
+  EXPECT_OK(engine.Advance(1, 1));
+  EXPECT_EQ(bodies.force[0], (1e16 + 2) - 1e16);
+}
+
+TEST_P(AccumulationTest, SumThatOverflowsNamesTheLawThatMadeIt) {
+  Bodies bodies(3);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("push", {{"force", 1.5e308}});
+  const vesper_library_id again = engine.Load("push_again", {{"force", 1.5e308}});
+  const vesper_error error = engine.Advance(1, 1);
+  EXPECT_REFUSED(LAW_MISBEHAVED, "law push_again", error);
+  EXPECT_EQ(error.library_id, again);
+  EXPECT_EQ(error.law_index, 0u);
+  EXPECT_EQ(error.row, 0u);
+  EXPECT_STREQ(error.property, "externalForce");
+  EXPECT_EQ(error.stage, 1u);
+}
+
+TEST_P(AccumulationTest, AppliedForceMustBeFinite) {
+  Bodies bodies(3);
+  bodies.applied[7] = std::numeric_limits<double>::quiet_NaN();
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  EXPECT_OK(engine.Add("appliedForce", bodies.applied, 3));
+  const vesper_error error = engine.Advance(1, 1);
+  EXPECT_REFUSED(INVALID_ARGUMENT, "property appliedForce, row 2", error);
+  EXPECT_EQ(error.library_id, VESPER_NO_LIBRARY);
+  EXPECT_EQ(error.row, 2u);
+}
+
+}  // namespace
+}  // namespace vesper::test

@@ -1,0 +1,184 @@
+// What a step is: order of laws, stages, accumulators, time.
+#include <cmath>
+
+#include "test_kit.hpp"
+
+namespace vesper::test {
+namespace {
+
+class AdvanceTest : public BothModes {};
+IN_BOTH_MODES(AdvanceTest);
+
+// Powers of two, so that the closed forms below are exact.
+constexpr double kDt = 1.0 / 64;
+
+TEST_P(AdvanceTest, ConstantForceMatchesDiscreteClosedForm) {
+  Bodies bodies(4);
+  bodies.mass = {1, 2, 4, 8};
+  const Bodies start = bodies;
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("euler");
+  engine.Load("push", {{"force", 16}});
+  constexpr uint32_t kSteps = 32;
+  EXPECT_OK(engine.Advance(kDt, kSteps));
+  for (size_t i = 0; i < 4; ++i) {
+    const double a = 16 / bodies.mass[i];
+    const double x = start.position[3 * i] + start.velocity[3 * i] * kSteps * kDt +
+                     a * kDt * kDt * kSteps * (kSteps + 1) / 2;
+    EXPECT_EQ(bodies.velocity[3 * i], start.velocity[3 * i] + a * kSteps * kDt) << "row " << i;
+    EXPECT_EQ(bodies.position[3 * i], x) << "row " << i;
+    EXPECT_EQ(bodies.position[3 * i + 1], start.position[3 * i + 1]) << "row " << i;
+  }
+  EXPECT_EQ(vesper_engine_step_count(engine.get()), kSteps);
+}
+
+TEST_P(AdvanceTest, BodyWithoutMassDoesNotMove) {
+  Bodies bodies(2);
+  bodies.mass[0] = 0;
+  const Bodies start = bodies;
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("euler");
+  engine.Load("push");
+  EXPECT_OK(engine.Advance(kDt, 10));
+  EXPECT_EQ(bodies.position[0], start.position[0]);
+  EXPECT_NE(bodies.position[3], start.position[3]);
+}
+
+TEST_P(AdvanceTest, SplittingACallChangesNoBit) {
+  Bodies at_once(5), split(5);
+  TestEngine first(Options()), second(Options());
+  for (auto [engine, bodies] : {std::pair(&first, &at_once), std::pair(&second, &split)}) {
+    engine->AddBodies(*bodies);
+    engine->Load("field");
+    engine->Load("euler");
+  }
+  EXPECT_OK(first.Advance(0.01, 30));
+  for (int i = 0; i < 30; ++i) EXPECT_OK(second.Advance(0.01, 1));
+  EXPECT_EQ(at_once.position, split.position);
+  EXPECT_EQ(first.StateHash(), second.StateHash());
+}
+
+TEST_P(AdvanceTest, LawsRunByPhaseThenByOrderOfLoading) {
+  Bodies bodies(1);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("trace_observe");
+  engine.Load("trace_constrain");
+  engine.Load("trace_integrate");
+  engine.Load("trace_force");
+  EXPECT_OK(engine.Advance(kDt, 1));
+  // Integrator before the first stage (5), then force (1) and integrator (6, 7) of two stages,
+  // constraint (2), observer (3).
+  EXPECT_EQ(bodies.orientation[0], 5161723);
+}
+
+TEST_P(AdvanceTest, LawsOfOnePhaseRunInOrderOfLoading) {
+  Bodies bodies(1);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("misbehaving");
+  engine.Load("trace_constrain");
+  EXPECT_OK(engine.Advance(kDt, 2));
+  EXPECT_EQ(bodies.orientation[0], 22);
+}
+
+TEST_P(AdvanceTest, ForcesAreEvaluatedOnceWithoutAnIntegrator) {
+  Bodies bodies(3);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  const vesper_library_id push = engine.Load("push", {{"force", 3}});
+  EXPECT_OK(engine.Advance(kDt, 5));
+  EXPECT_EQ(bodies.force[6], 3);
+  EXPECT_EQ(engine.LawInfo(push).calls, 5u);
+}
+
+TEST_P(AdvanceTest, ForcesAreEvaluatedOncePerStage) {
+  Bodies bodies(1);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("euler_four_stages");
+  const vesper_library_id push = engine.Load("push");
+  EXPECT_OK(engine.Advance(kDt, 3));
+  EXPECT_EQ(engine.LawInfo(push).calls, 12u);
+  EXPECT_EQ(bodies.force[0], 1);
+}
+
+TEST_P(AdvanceTest, LawLoadedLaterActsFromTheNextStepOn) {
+  Bodies bodies(1);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("euler");
+  EXPECT_OK(engine.Advance(kDt, 4));
+  EXPECT_EQ(bodies.velocity[0], 1);
+  const vesper_library_id push = engine.Load("push", {{"force", 64}});
+  EXPECT_OK(engine.Advance(kDt, 1));
+  EXPECT_EQ(bodies.velocity[0], 2);
+  EXPECT_OK(engine.Unload(push));
+  EXPECT_OK(engine.Advance(kDt, 4));
+  EXPECT_EQ(bodies.velocity[0], 2);
+  EXPECT_EQ(bodies.force[0], 0);
+}
+
+TEST_P(AdvanceTest, EmptyKindsAreStepped) {
+  Bodies none(0);
+  TestEngine engine(Options());
+  engine.AddBodies(none);
+  engine.Load("euler");
+  engine.Load("push");
+  engine.Load("push_again");
+  EXPECT_OK(engine.Advance(kDt, 2));
+  EXPECT_EQ(vesper_engine_step_count(engine.get()), 2u);
+}
+
+TEST_P(AdvanceTest, ZeroStepsOnlyBind) {
+  Bodies bodies(1);
+  TestEngine engine(Options());
+  engine.Load("euler");
+  EXPECT_REFUSED(NOT_FOUND, "law euler: needs property mass", engine.Advance(kDt, 0));
+  engine.AddBodies(bodies);
+  EXPECT_OK(engine.Advance(kDt, 0));
+  EXPECT_EQ(vesper_engine_step_count(engine.get()), 0u);
+}
+
+TEST_P(AdvanceTest, TimeStepMustBeFiniteAndPositive) {
+  TestEngine engine(Options());
+  for (const double dt : {0.0, -1.0, double{INFINITY}, double{NAN}}) {
+    EXPECT_REFUSED(INVALID_ARGUMENT, "dt is", engine.Advance(dt, 1));
+  }
+  EXPECT_OK(engine.Advance(kDt, 1));
+}
+
+TEST_P(AdvanceTest, CallsFromInsideAStepAreRefused) {
+  // A log receiver is the one place from which a client could call back into its engine.
+  struct Probe {
+    vesper_engine* engine = nullptr;
+    std::vector<vesper_status> seen;
+  } probe;
+  vesper_engine_config config = TestConfig(Options());
+  config.log_user = &probe;
+  config.log = [](void* user, uint32_t, const char*) {
+    auto& p = *static_cast<Probe*>(user);
+    uint64_t hash = 0;
+    p.seen.push_back(vesper_engine_advance(p.engine, 1, 1, nullptr));
+    p.seen.push_back(vesper_engine_unload_physics_law(p.engine, 1, nullptr));
+    p.seen.push_back(vesper_engine_state_hash(p.engine, &hash, nullptr));
+    p.seen.push_back(vesper_provider_touch(vesper_engine_property_provider(p.engine), nullptr, 0,
+                                           nullptr));
+    vesper_engine_destroy(p.engine);
+  };
+  ASSERT_EQ(vesper_engine_create(&config, vesper_prototype_standard("si-f64"), &probe.engine,
+                                 nullptr),
+            VESPER_OK);
+  vesper_library_id id = 0;
+  ASSERT_EQ(vesper_engine_load_physics_law(probe.engine, "suite", nullptr, 0, &id, nullptr),
+            VESPER_OK);
+  ASSERT_FALSE(probe.seen.empty());
+  for (const vesper_status status : probe.seen) EXPECT_EQ(status, VESPER_BUSY);
+  EXPECT_EQ(vesper_engine_unload_physics_law(probe.engine, id, nullptr), VESPER_OK);
+  vesper_engine_destroy(probe.engine);
+}
+
+}  // namespace
+}  // namespace vesper::test

@@ -1,0 +1,23 @@
+/* Values of the parameter `mode` of the law `misbehaving`. */
+#ifndef MISBEHAVING_H_
+#define MISBEHAVING_H_
+
+enum Misbehaviour {
+  WELL_BEHAVED,
+  WRITE_NAN,
+  WRITE_INFINITY,
+  WRITE_READ_COLUMN,
+  WRITE_READ_COLUMN_IN_BIND,
+  WRITE_PAST_END,
+  WRITE_BEFORE_START,
+  LEAVE_ROW_UNWRITTEN,
+  CHANGE_MODES,
+  FAIL_WITH_MESSAGE,
+  FAIL_WITHOUT_MESSAGE,
+  FAIL_WITH_ROW,
+  FAIL_IN_CREATE,
+  NO_LAW_FROM_CREATE,
+  FAIL_IN_BIND,
+};
+
+#endif /* MISBEHAVING_H_ */

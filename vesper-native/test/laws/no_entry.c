@@ -1,0 +1,2 @@
+/* A sound shared object that is no law library. */
+int nothing_to_see_here;

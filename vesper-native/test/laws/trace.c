@@ -1,0 +1,19 @@
+/* Appends a digit to orientation.x whenever it runs: a record of the order. NAME, PHASE, STAGES and
+ * DIGIT vary; an integrator appends DIGIT plus the stage. */
+#include "test_law.h"
+
+static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
+  (void)error;
+  double* orientation = law->bound[0].data;
+  const uint32_t digit = DIGIT + (STAGES > 0 ? step->stage : 0);
+  for (uint64_t row = 0; row < law->bound[0].row_count; ++row) {
+    orientation[4 * row] = orientation[4 * row] * 10 + digit;
+  }
+  return VESPER_OK;
+}
+
+static const vesper_property_use kUses[] = {
+    REAL_USE("orientation", 4, VESPER_READ_WRITE, VESPER_UNIT_ONE)};
+static const vesper_law_desc kLaws[] = {
+    LAW(NAME, PHASE, STAGES, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
+LIBRARY(NAME, kLaws, NULL, NULL)
