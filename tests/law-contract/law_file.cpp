@@ -1,0 +1,168 @@
+#include "law_file.hpp"
+
+#include <dlfcn.h>
+#include <elf.h>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+#include <stdexcept>
+
+namespace vesper {
+namespace {
+
+std::string ReadFile(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+/// The sections of one type of a 64-bit ELF file.
+std::vector<Elf64_Shdr> Sections(const std::string& elf, uint32_t type) {
+  Elf64_Ehdr header;
+  std::memcpy(&header, elf.data(), sizeof header);
+  std::vector<Elf64_Shdr> found;
+  for (size_t i = 0; i < header.e_shnum; ++i) {
+    Elf64_Shdr section;
+    std::memcpy(&section, elf.data() + header.e_shoff + i * sizeof section, sizeof section);
+    if (section.sh_type == type) found.push_back(section);
+  }
+  return found;
+}
+
+template <class Entry>
+std::vector<Entry> Entries(const std::string& elf, const Elf64_Shdr& section) {
+  std::vector<Entry> entries(section.sh_size / sizeof(Entry));
+  std::memcpy(entries.data(), elf.data() + section.sh_offset, entries.size() * sizeof(Entry));
+  return entries;
+}
+
+/// Text of the string table that belongs to a section.
+const char* Text(const std::string& elf, const Elf64_Shdr& section, uint64_t offset) {
+  Elf64_Ehdr header;
+  std::memcpy(&header, elf.data(), sizeof header);
+  Elf64_Shdr strings;
+  std::memcpy(&strings, elf.data() + header.e_shoff + section.sh_link * sizeof strings,
+              sizeof strings);
+  return elf.data() + strings.sh_offset + offset;
+}
+
+}  // namespace
+
+void LawFile::Close::operator()(void* handle) const { dlclose(handle); }
+
+LawFile::LawFile(const std::string& path)
+    : path_(path), handle_(dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL)) {
+  if (!handle_) throw std::runtime_error(dlerror());
+  void* entry = dlsym(handle_.get(), VESPER_LAW_LIBRARY_ENTRY);
+  if (entry == nullptr) throw std::runtime_error(dlerror());
+  table_ = reinterpret_cast<decltype(&vesper_law_library_entry)>(entry)();
+  if (table_ == nullptr) throw std::runtime_error(path + ": the entry returned null");
+}
+
+std::string LawFile::NameOf(const std::string& path) {
+  const std::string stem = std::filesystem::path(path).stem();
+  const std::string prefix = "libvesper_law_";
+  return stem.starts_with(prefix) ? stem.substr(prefix.size()) : "";
+}
+
+std::vector<const vesper_law_desc*> LawFile::Laws(vesper_scalar_type real_type) const {
+  std::vector<const vesper_law_desc*> laws;
+  for (const vesper_law_desc& law : std::span(table_->laws, table_->law_count)) {
+    if (law.real_type == real_type || law.real_type == 0) laws.push_back(&law);
+  }
+  return laws;
+}
+
+std::vector<LawFile::Symbol> LawFile::DynamicSymbols() const {
+  const std::string elf = ReadFile(path_);
+  std::vector<Symbol> symbols;
+  for (const Elf64_Shdr& section : Sections(elf, SHT_DYNSYM)) {
+    for (const Elf64_Sym& symbol : Entries<Elf64_Sym>(elf, section)) {
+      if (symbol.st_name == 0) continue;
+      symbols.push_back({Text(elf, section, symbol.st_name), symbol.st_shndx != SHN_UNDEF,
+                         ELF64_ST_BIND(symbol.st_info) == STB_WEAK});
+    }
+  }
+  return symbols;
+}
+
+std::vector<std::string> LawFile::Exports() const {
+  std::vector<std::string> names;
+  for (const Symbol& symbol : DynamicSymbols()) {
+    if (symbol.defined) names.push_back(symbol.name);
+  }
+  return names;
+}
+
+std::vector<std::string> LawFile::Needed() const {
+  const std::string elf = ReadFile(path_);
+  std::vector<std::string> names;
+  for (const Elf64_Shdr& section : Sections(elf, SHT_DYNAMIC)) {
+    for (const Elf64_Dyn& entry : Entries<Elf64_Dyn>(elf, section)) {
+      if (entry.d_tag == DT_NEEDED) names.push_back(Text(elf, section, entry.d_un.d_val));
+    }
+  }
+  return names;
+}
+
+std::vector<std::string> LawFile::Imports() const {
+  std::vector<std::string> imports;
+  for (const Symbol& symbol : DynamicSymbols()) {
+    if (symbol.defined) continue;
+    Dl_info info{};
+    void* address = dlsym(RTLD_DEFAULT, symbol.name.c_str());
+    if (address == nullptr && symbol.weak) continue;
+    const bool known = address != nullptr && dladdr(address, &info) != 0;
+    const std::string provider =
+        known ? std::filesystem::path(info.dli_fname).filename().string() : "nobody";
+    imports.push_back(symbol.name + " (" + provider + ")");
+  }
+  return imports;
+}
+
+namespace {
+
+/// A host for one thread that drops log lines.
+const vesper_host kHost = {
+    sizeof(vesper_host), 0, nullptr, [](void*, uint32_t, const char*) {},
+    [](void*, uint64_t count, uint64_t grain, void (*body)(void*, uint64_t, uint64_t), void* user) {
+      if (grain == 0) grain = count;
+      for (uint64_t begin = 0; begin < count; begin += grain) {
+        body(user, begin, std::min(begin + grain, count));
+      }
+    }};
+
+void Check(vesper_status status, const vesper_error& error) {
+  if (status != VESPER_OK) throw std::runtime_error(error.message);
+}
+
+vesper_law* Create(const vesper_law_desc& desc) {
+  std::vector<double> parameters;
+  for (const auto& parameter : std::span(desc.parameters, desc.parameter_count)) {
+    parameters.push_back(parameter.default_value);
+  }
+  vesper_law* law = nullptr;
+  vesper_error error{};
+  Check(desc.create(&kHost, nullptr, parameters.data(), &law, &error), error);
+  return law;
+}
+
+}  // namespace
+
+BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties)
+    : desc_(desc), law_(Create(desc), Destroy{&desc}) {
+  vesper_error error{};
+  Check(desc.bind(law_.get(), properties.data(), &error), error);
+}
+
+double BareLaw::PotentialEnergy() const {
+  double energy = 0;
+  vesper_error error{};
+  Check(desc_.potential_energy(law_.get(), &energy, &error), error);
+  return energy;
+}
+
+}  // namespace vesper

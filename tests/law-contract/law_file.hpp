@@ -1,0 +1,65 @@
+// A law library as a file, and as code called without an engine.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "vesper/law.h"
+
+namespace vesper {
+
+/// A mapped law library. Throws std::runtime_error if it cannot be loaded.
+class LawFile {
+ public:
+  explicit LawFile(const std::string& path);
+
+  /// From libvesper_law_NAME.so.
+  static std::string NameOf(const std::string& path);
+
+  const vesper_law_library& table() const { return *table_; }
+  /// Laws of one precision, in the order of the table.
+  std::vector<const vesper_law_desc*> Laws(vesper_scalar_type real_type) const;
+
+  /// Names of the symbols that it defines for others.
+  std::vector<std::string> Exports() const;
+  /// File names of the libraries that it asks the loader for.
+  std::vector<std::string> Needed() const;
+  /// "symbol (file that provides it)" for each one that it takes from outside.
+  std::vector<std::string> Imports() const;
+
+ private:
+  struct Close {
+    void operator()(void* handle) const;
+  };
+  struct Symbol {
+    std::string name;
+    bool defined;
+    bool weak;
+  };
+  std::vector<Symbol> DynamicSymbols() const;
+
+  std::string path_;
+  std::unique_ptr<void, Close> handle_;
+  const vesper_law_library* table_;
+};
+
+/// One law, made and bound without an engine, on one thread.
+class BareLaw {
+ public:
+  /// `properties`: one per use of the law, borrowed.
+  BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties);
+
+  double PotentialEnergy() const;
+
+ private:
+  struct Destroy {
+    const vesper_law_desc* desc;
+    void operator()(vesper_law* law) const { desc->destroy(law); }
+  };
+
+  const vesper_law_desc& desc_;
+  std::unique_ptr<vesper_law, Destroy> law_;
+};
+
+}  // namespace vesper

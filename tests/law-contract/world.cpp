@@ -1,0 +1,181 @@
+#include "world.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <random>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+namespace vesper {
+namespace {
+
+const std::string kOrientation = "orientation";
+
+void Normalise(AnyColumn& column, uint64_t row) {
+  const uint32_t n = column.descriptor().components;
+  double square = 0;
+  for (uint64_t i = row * n; i < (row + 1) * n; ++i) square += column.Get(i) * column.Get(i);
+  for (uint64_t i = row * n; i < (row + 1) * n; ++i) {
+    column.Set(i, column.Get(i) / std::sqrt(square));
+  }
+}
+
+Vec3<double> Rotated(const Vec3<double>& x, const Quaternion& by) {
+  const Vec3<double> t = Cross(by.v, x) * 2.0;
+  return x + t * by.w + Cross(by.v, t);
+}
+
+const vesper_prototype& PrototypeOf(vesper_scalar_type real_type) {
+  return StandardPrototype(real_type == VESPER_F64 ? "si-f64" : "si-f32");
+}
+
+}  // namespace
+
+template <class Action>
+auto AnyColumn::Visit(vesper_scalar_type type, Action&& action) {
+  switch (type) {
+    case VESPER_F32: return action(float{});
+    case VESPER_F64: return action(double{});
+    case VESPER_I32: return action(int32_t{});
+    case VESPER_U32: return action(uint32_t{});
+  }
+  throw std::logic_error("no such scalar type");
+}
+
+AnyColumn::AnyColumn(const vesper_property_descriptor& descriptor, uint64_t rows)
+    : descriptor_(&descriptor), rows_(rows) {
+  bytes_.resize(Visit(descriptor.scalar_type, [&](auto scalar) { return size() * sizeof scalar; }));
+}
+
+bool AnyColumn::is_real() const {
+  return descriptor_->scalar_type == VESPER_F32 || descriptor_->scalar_type == VESPER_F64;
+}
+
+bool AnyColumn::is_vector() const {
+  return is_real() && descriptor_->components == 3 && descriptor_->name != std::string("inertia");
+}
+
+double AnyColumn::Get(uint64_t value) const {
+  return Visit(descriptor_->scalar_type, [&](auto scalar) {
+    std::memcpy(&scalar, bytes_.data() + value * sizeof scalar, sizeof scalar);
+    return static_cast<double>(scalar);
+  });
+}
+
+void AnyColumn::Set(uint64_t value, double to) {
+  Visit(descriptor_->scalar_type, [&](auto scalar) {
+    scalar = static_cast<decltype(scalar)>(to);
+    std::memcpy(bytes_.data() + value * sizeof scalar, &scalar, sizeof scalar);
+  });
+}
+
+Vec3<double> AnyColumn::GetVector(uint64_t row) const {
+  return {Get(3 * row), Get(3 * row + 1), Get(3 * row + 2)};
+}
+
+void AnyColumn::SetVector(uint64_t row, const Vec3<double>& to) {
+  Set(3 * row, to.x);
+  Set(3 * row + 1, to.y);
+  Set(3 * row + 2, to.z);
+}
+
+double AnyColumn::Largest() const {
+  double largest = 0;
+  for (uint64_t i = 0; i < size(); ++i) largest = std::max(largest, std::abs(Get(i)));
+  return largest;
+}
+
+void AnyColumn::AddTo(PhysicalPropertyProvider provider) {
+  Visit(descriptor_->scalar_type, [&](auto scalar) {
+    provider.AddPhysicalProperty(
+        descriptor_->name, std::span(reinterpret_cast<decltype(scalar)*>(bytes_.data()), size()));
+  });
+}
+
+World::World(vesper_scalar_type real_type, uint64_t rows, uint32_t seed) : real_type_(real_type) {
+  std::mt19937 random(seed);
+  const auto draw = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
+  };
+  const vesper_prototype& prototype = PrototypeOf(real_type);
+  for (const auto& property : std::span(prototype.properties, prototype.property_count)) {
+    const bool single = property.kind == std::string("world");
+    columns_.emplace_back(property, single ? std::min<uint64_t>(rows, 1) : rows);
+    Fill(columns_.back(), draw);
+  }
+}
+
+void World::Fill(AnyColumn& column, const std::function<double(double, double)>& draw) {
+  const vesper_property_descriptor& property = column.descriptor();
+  if ((property.law_access & VESPER_ACCUMULATE) != 0) return;  // the engine fills it
+  const double reach = property.name == std::string("position") ? 10 : 1;
+  for (uint64_t row = 0; row < column.rows(); ++row) {
+    // Neighbours, so that the rows that one refers to differ.
+    auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
+    for (uint32_t c = 0; c < property.components; ++c) {
+      const uint64_t value = row * property.components + c;
+      if (property.refers_to != nullptr) {
+        column.Set(value, static_cast<double>(reference++ % column.rows()));
+      } else if (column.is_vector()) {
+        column.Set(value, draw(-reach, reach));
+      } else {
+        column.Set(value, draw(0.5, 2));
+      }
+    }
+    if (property.name == kOrientation) Normalise(column, row);
+  }
+}
+
+const AnyColumn& World::operator[](const std::string& name) const {
+  for (const AnyColumn& column : columns_) {
+    if (column.descriptor().name == name) return column;
+  }
+  throw std::logic_error("the standard prototypes have no property " + name);
+}
+
+AnyColumn& World::operator[](const std::string& name) {
+  return const_cast<AnyColumn&>(std::as_const(*this)[name]);
+}
+
+void World::Clear(const std::string& name) {
+  AnyColumn& column = (*this)[name];
+  for (uint64_t i = 0; i < column.size(); ++i) column.Set(i, 0);
+}
+
+void World::Translate(const Vec3<double>& by) {
+  AnyColumn& position = (*this)["position"];
+  for (uint64_t row = 0; row < position.rows(); ++row) {
+    position.SetVector(row, position.GetVector(row) + by);
+  }
+}
+
+void World::Rotate(const Quaternion& by) {
+  for (AnyColumn& column : columns_) {
+    if (!column.is_vector()) continue;
+    for (uint64_t row = 0; row < column.rows(); ++row) {
+      column.SetVector(row, Rotated(column.GetVector(row), by));
+    }
+  }
+  AnyColumn& orientation = (*this)[kOrientation];
+  for (uint64_t row = 0; row < orientation.rows(); ++row) {
+    const Vec3<double> v{orientation.Get(4 * row), orientation.Get(4 * row + 1),
+                         orientation.Get(4 * row + 2)};
+    const double w = orientation.Get(4 * row + 3);
+    const Vec3<double> turned = v * by.w + by.v * w + Cross(by.v, v);
+    orientation.Set(4 * row, turned.x);
+    orientation.Set(4 * row + 1, turned.y);
+    orientation.Set(4 * row + 2, turned.z);
+    orientation.Set(4 * row + 3, by.w * w - Dot(by.v, v));
+  }
+}
+
+PhysicsEngine World::MakeEngine(const std::string& library, uint32_t threads) {
+  PhysicsEngine engine(PrototypeOf(real_type_), {.threads = threads, .validate = true});
+  for (AnyColumn& column : columns_) column.AddTo(engine.PropertyProvider());
+  engine.LoadPhysicsLaw(library);
+  return engine;
+}
+
+}  // namespace vesper
