@@ -18,8 +18,8 @@ public record DeclaredAction(String name, String doc, List<Parameter> parameters
         Set<String> changed = new HashSet<>();
         for (Effect effect : effects) {
             if (!changed.add(effect.changes())) {
-                throw new IllegalArgumentException("action " + name + " has two effects that change "
-                        + effect.changes());
+                throw new IllegalArgumentException("action " + name
+                        + " has two effects that change " + effect.changes());
             }
         }
     }

@@ -100,7 +100,7 @@ public sealed interface Effect {
         }
     }
 
-    /** Tells everybody, with the fields {@code item}, {@code action} and, if there is one, {@code actor}. */
+    /** Tells everybody: fields {@code item}, {@code action} and, if there is one, {@code actor}. */
     record Raise(String event, String action) implements Effect {
         @Override
         public String changes() {

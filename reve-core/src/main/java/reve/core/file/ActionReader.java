@@ -162,7 +162,7 @@ final class ActionReader {
                     + " is derived by the world and cannot be set");
             return Optional.empty();
         }
-        return symbolValue(to, parameters).map(to2 -> new Effect.SetSymbol(name.get(), to2));
+        return symbolValue(to, parameters).map(value -> new Effect.SetSymbol(name.get(), value));
     }
 
     private Optional<Operand> symbolValue(Node to, Map<String, Parameter> parameters) {

@@ -8,8 +8,8 @@ import reve.core.world.ItemDefinition;
  * Which bodies a world grants to agents; none unless the world file says so.
  *
  * @param bodies names of items that agents may take, in the order in which they are given out
- * @param template what a new body is made of for an agent that gets none of those; the taker renames
- *     it
+ * @param template what a new body is made of for an agent that gets none of those; whoever takes it
+ *     renames it
  */
 public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template) {
     public AgentPolicy {

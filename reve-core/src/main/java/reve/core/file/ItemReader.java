@@ -79,51 +79,60 @@ final class ItemReader {
         return item.build();
     }
 
+    /** What an item of that kind holds is checked even if its name is wrong. */
     private Optional<ItemDefinition> read(Node node) {
-        Optional<Node> nameNode = node.get("name");
-        Optional<String> name = nameNode.flatMap(Node::text);
-        String kind = kind(node);
-        boolean hasPhysics = hasPhysics(node);
-        if (name.isEmpty() || !takeName(nameNode.get(), name.get(), kind, hasPhysics)) {
+        Optional<String> kind = kind(node);
+        Optional<ItemDefinition.Builder> named = node.get("name")
+                .flatMap(name -> named(name, node, kind.orElse("")));
+        ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
+        kind.ifPresent(known -> {
+            item.kind(known);
+            readAspects(node, known, item);
+            requireReferences(node, known);
+        });
+        return named.map(ItemDefinition.Builder::build);
+    }
+
+    private Optional<ItemDefinition.Builder> named(Node node, Node item, String kind) {
+        Optional<String> name = node.text();
+        if (name.isEmpty()) {
             return Optional.empty();
+        }
+        if (name.get().equals(WorldPrototype.WORLD)) {
+            return refuse(node, "name: `world` is the item that holds the constants; they belong "
+                    + "under `constants`");
+        }
+        Entry first = byName.putIfAbsent(name.get(), new Entry(node, kind, hasPhysics(item)));
+        if (first != null) {
+            return refuse(node, "duplicate item name `" + Node.shorten(name.get())
+                    + "`, first on line " + first.name.line());
         }
         try {
-            ItemDefinition.Builder item = ItemDefinition.named(name.get()).kind(kind);
-            readAspects(node, kind, item);
-            requireReferences(node, kind, name.get());
-            return Optional.of(item.build());
+            return Optional.of(ItemDefinition.named(name.get()));
         } catch (IllegalArgumentException refused) {
-            problems.add(nameNode.get(), refused.getMessage());
-            return Optional.empty();
+            return refuse(node, refused.getMessage());
         }
     }
 
-    private boolean takeName(Node node, String name, String kind, boolean hasPhysics) {
-        if (name.equals(WorldPrototype.WORLD)) {
-            problems.add(node, "name: `world` is the item that holds the constants; they belong "
-                    + "under `constants`");
-            return false;
-        }
-        Entry first = byName.putIfAbsent(name, new Entry(node, kind, hasPhysics));
-        if (first != null) {
-            problems.add(node, "duplicate item name `" + Node.shorten(name) + "`, first on line "
-                    + first.name.line());
-        }
-        return first == null;
-    }
-
-    private String kind(Node item) {
+    /** The kind of an item; empty and a problem noted if items of that kind cannot be. */
+    private Optional<String> kind(Node item) {
         Optional<Node> node = item.get("kind");
         String kind = node.flatMap(Node::text).orElse(WorldPrototype.BODY);
         if (kind.equals(WorldPrototype.WORLD)) {
-            problems.add(node.orElseThrow(),
-                    "kind: there is one item of kind world; its properties belong under `constants`");
-        } else if (!prototype.kinds().contains(kind)) {
-            problems.add(node.orElseThrow(), "kind: no properties are declared for kind `" + kind
+            return refuse(node.orElseThrow(),
+                    "kind: there is only one world; its properties belong under `constants`");
+        }
+        if (!prototype.kinds().contains(kind)) {
+            return refuse(node.orElseThrow(), "kind: no properties are declared for kind `" + kind
                     + "`, known are " + String.join(", ", prototype.kinds())
                     + Suggestion.of(kind, prototype.kinds()));
         }
-        return kind;
+        return Optional.of(kind);
+    }
+
+    private <T> Optional<T> refuse(Node node, String message) {
+        problems.add(node, message);
+        return Optional.empty();
     }
 
     private static boolean hasPhysics(Node item) {
@@ -177,7 +186,7 @@ final class ItemReader {
     }
 
     /** With a physics aspect, every reference of the kind must be there, each to another item. */
-    private void requireReferences(Node item, String kind, String name) {
+    private void requireReferences(Node item, String kind) {
         if (!hasPhysics(item)) {
             return;
         }
@@ -189,8 +198,8 @@ final class ItemReader {
             }
             Optional<Node> given = aspect.get(property.name());
             if (given.isEmpty()) {
-                problems.addAtKey(aspect, kind + " `" + Node.shorten(name) + "` needs `"
-                        + property.name() + "`: " + property.doc());
+                problems.addAtKey(aspect, "a " + kind + " needs `" + property.name() + "`: "
+                        + property.doc());
                 continue;
             }
             List<Node> mentions = given.get().isList() ? List.copyOf(given.get().children())

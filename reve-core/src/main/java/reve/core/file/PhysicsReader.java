@@ -9,7 +9,7 @@ import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.WorldPrototype;
 
-/** Reads physics aspects: which properties are known, of which type and unit, says the prototype. */
+/** Reads physics aspects; the prototype says which properties there are, of which type and unit. */
 final class PhysicsReader {
     private final WorldPrototype prototype;
     private final Problems problems;
@@ -31,6 +31,9 @@ final class PhysicsReader {
 
     void read(Node aspect, String kind, Sink sink) {
         for (Node value : aspect.children()) {
+            if (problems.full()) {
+                return;
+            }
             find(value, value.key(), kind).ifPresent(property -> {
                 if (property.type() == ScalarType.REF) {
                     references(value, property)
@@ -60,7 +63,7 @@ final class PhysicsReader {
         return values;
     }
 
-    /** The property of that kind and name; empty and a problem noted at {@code where} if unknown. */
+    /** The property of that kind and name; empty and a problem at {@code where} if unknown. */
     Optional<PropertyDescriptor> find(Node where, String name, String kind) {
         Optional<PropertyDescriptor> property = prototype.find(kind, name);
         if (property.isEmpty()) {
@@ -70,7 +73,7 @@ final class PhysicsReader {
         return property;
     }
 
-    /** The value of a numeric property in its unit; empty and a problem noted if it does not fit. */
+    /** The value of a numeric property in its unit; empty and a problem if it does not fit. */
     Optional<double[]> numbers(Node node, PropertyDescriptor property) {
         return quantities.numbers(node, property.components(), property.unit())
                 .filter(values -> fits(node, property.type(), values));

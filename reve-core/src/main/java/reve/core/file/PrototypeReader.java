@@ -23,7 +23,7 @@ final class PrototypeReader {
         return prototype;
     }
 
-    /** The unit under the key {@code unit}, 1 if there is none; empty and a problem if it is wrong. */
+    /** The unit under the key {@code unit}, else 1; empty and a problem if it is wrong. */
     static Optional<Unit> unit(Node owner, Problems problems) {
         Optional<Node> node = owner.get("unit");
         if (node.isEmpty()) {

@@ -13,11 +13,14 @@ import reve.core.unit.Unit;
  * asked for, others are converted to it.
  */
 final class Quantities {
+    /** Longest text that is looked at; hundreds of numbers fit. */
+    private static final int MAX_LENGTH = 1024;
     private static final Pattern NUMBER =
-            Pattern.compile("[+-]?(\\d+\\.?\\d*|\\.\\d+)([eE][+-]?\\d+)?");
+            Pattern.compile("[+-]?(?:\\d++(?:\\.\\d*+)?|\\.\\d++)(?:[eE][+-]?\\d++)?");
     private static final Pattern NOT_FINITE =
             Pattern.compile("[+-]?\\.?(nan|inf|infinity)", Pattern.CASE_INSENSITIVE);
-    private static final Pattern NO_SPACE = Pattern.compile("(?<number>" + NUMBER + ")(?<unit>[\\p{L}°%].*)");
+    private static final Pattern NO_SPACE =
+            Pattern.compile("(?<number>" + NUMBER + ")(?<unit>[\\p{L}°%].*)");
     private static final Pattern LIST = Pattern.compile("\\[([^\\[\\]]*)\\](.*)");
     private static final Pattern GAP = Pattern.compile("\\s*,\\s*|\\s+");
 
@@ -99,6 +102,10 @@ final class Quantities {
     /** Takes a text apart into leading numbers and what follows them. */
     private Optional<Parsed> parse(Node node, String expected) {
         String text = node.text().orElseThrow().strip();
+        if (text.length() > MAX_LENGTH) {
+            return refuse(node, "found a text of " + text.length() + " characters, expected "
+                    + expected);
+        }
         Matcher list = LIST.matcher(text);
         boolean bracketed = list.matches();
         String[] words = GAP.split(bracketed ? list.group(1).strip() : text);

@@ -36,6 +36,8 @@ final class SchemaCheck {
             SpecificationVersion.DRAFT_2020_12, builder -> builder.schemas(Map.of(ID, SOURCE)));
     private static final Schema FILE = REGISTRY.getSchema(SchemaLocation.of(ID));
     private static final Schema ITEM = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/item"));
+    /** More elements than the schema allows in any list whose elements it describes. */
+    private static final int MAX_ELEMENTS = 10_001;
     private static final Map<String, String> TYPES = Map.of(
             "object", "a mapping", "array", "a list", "string", "a text", "number", "a number",
             "integer", "a whole number", "boolean", "true or false");
@@ -102,7 +104,6 @@ final class SchemaCheck {
                     + surrounding(error).path("description").asString();
             case "minimum" -> "found " + node.describe() + ", expected at least " + rule;
             case "maximum" -> "found " + node.describe() + ", expected at most " + rule;
-            case "minLength" -> "found an empty text, expected a name";
             case "maxLength" -> "found a text of " + node.text().orElse("").length()
                     + " characters, expected at most " + rule;
             case "minItems", "minProperties" -> "found " + node.describe()
@@ -163,7 +164,10 @@ final class SchemaCheck {
         return node;
     }
 
-    /** The same values for the library; {@code emptied} as a list without elements. */
+    /**
+     * The same values for the library, of long lists only the first elements; {@code emptied} as a
+     * list without any.
+     */
     private static JsonNode toJson(Node node, Optional<Node> emptied) {
         JsonNodeFactory json = JsonNodeFactory.instance;
         if (node.isMapping()) {
@@ -174,7 +178,8 @@ final class SchemaCheck {
         if (node.isList()) {
             ArrayNode array = json.arrayNode();
             if (emptied.isEmpty() || emptied.get() != node) {
-                node.children().forEach(child -> array.add(toJson(child, emptied)));
+                node.children().stream().limit(MAX_ELEMENTS)
+                        .forEach(child -> array.add(toJson(child, emptied)));
             }
             return array;
         }
@@ -190,7 +195,7 @@ final class SchemaCheck {
     private static String resource() {
         try (InputStream in = SchemaCheck.class.getResourceAsStream(RESOURCE)) {
             if (in == null) {
-                throw new IllegalStateException("resource " + RESOURCE + " is not on the class path");
+                throw new IllegalStateException(RESOURCE + " is not on the class path");
             }
             return new String(in.readAllBytes(), StandardCharsets.UTF_8);
         } catch (IOException e) {

@@ -14,6 +14,10 @@ import java.nio.file.Path;
 final class SourceText {
     /** Largest world file [bytes]. */
     static final int MAX_BYTES = 16 << 20;
+    /** Longest stretch without any of {@link #BREAKS}; on longer ones a parser wastes seconds. */
+    static final int MAX_STRETCH = 65_536;
+
+    private static final String BREAKS = "\n,:[]{}\"";
 
     private SourceText() {}
 
@@ -27,8 +31,8 @@ final class SourceText {
             throw problems.fatal(1, 1, "there is no such file");
         }
         if (!Files.isRegularFile(path)) {
-            throw problems.fatal(1, 1, "not a regular file; expected a world file such as "
-                    + "world.yaml");
+            throw problems.fatal(1, 1, Files.isDirectory(path)
+                    ? "a folder; name the world file in it" : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
             return decode(in.readNBytes(MAX_BYTES + 1), problems);
@@ -48,15 +52,31 @@ final class SourceText {
             throw atEnd(text, problems, "not UTF-8 text from here on; save the file as UTF-8");
         }
         int start = !text.isEmpty() && text.charAt(0) == '\uFEFF' ? 1 : 0;
-        return text.subSequence(start, text.length()).toString();
+        String decoded = text.subSequence(start, text.length()).toString();
+        checkStretches(decoded, problems);
+        return decoded;
     }
 
+    private static void checkStretches(String text, Problems problems) throws WorldFileException {
+        int begin = 0;
+        for (int i = 0; i < text.length(); i++) {
+            if (BREAKS.indexOf(text.charAt(i)) >= 0) {
+                begin = i + 1;
+            } else if (i - begin >= MAX_STRETCH) {
+                throw atEnd(text.substring(0, begin), problems, "more than " + MAX_STRETCH
+                        + " characters in one piece; is this a world file?");
+            }
+        }
+    }
+
+    /** A problem where the given beginning of a file ends. */
     private static WorldFileException atEnd(CharSequence text, Problems problems, String message) {
         int line = 1;
         int column = 1;
         for (int i = 0; i < text.length(); i++) {
-            column = text.charAt(i) == '\n' ? 1 : column + 1;
-            line += text.charAt(i) == '\n' ? 1 : 0;
+            boolean lineBreak = text.charAt(i) == '\n';
+            column = lineBreak ? 1 : column + 1;
+            line += lineBreak ? 1 : 0;
         }
         return problems.fatal(line, column, message);
     }

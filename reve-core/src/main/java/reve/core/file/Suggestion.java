@@ -7,7 +7,7 @@ import java.util.Locale;
 /** Finds the name that was probably meant. */
 final class Suggestion {
     /** Names beyond these are not looked at, so that a wrong file is refused quickly. */
-    private static final int MAX_CANDIDATES = 10_000;
+    private static final int MAX_CANDIDATES = 1_000;
 
     private Suggestion() {}
 

@@ -20,6 +20,7 @@ import org.snakeyaml.engine.v2.exceptions.Mark;
 import org.snakeyaml.engine.v2.exceptions.MarkedYamlEngineException;
 import org.snakeyaml.engine.v2.exceptions.ReaderException;
 import org.snakeyaml.engine.v2.exceptions.YamlEngineException;
+import org.snakeyaml.engine.v2.exceptions.YamlVersionException;
 import org.snakeyaml.engine.v2.nodes.Tag;
 import org.snakeyaml.engine.v2.resolver.CoreScalarResolver;
 import org.snakeyaml.engine.v2.resolver.ScalarResolver;
@@ -68,6 +69,8 @@ final class YamlReader {
             throw reader.fatal(syntax.getProblemMark(), sentence(syntax));
         } catch (ReaderException unprintable) {
             throw fatalAt(text, unprintable, problems);
+        } catch (YamlVersionException version) {
+            throw problems.fatal(1, 1, "written for another YAML version; remove the line `%YAML`");
         } catch (YamlEngineException other) {
             throw problems.fatal(1, 1, "not valid YAML: " + other.getMessage());
         }
@@ -109,8 +112,8 @@ final class YamlReader {
                     + "`) are not allowed; write values out where they are used");
         }
         if (tag.isPresent()) {
-            throw fatal(event.getStartMark(),
-                    "tags (`" + Node.shorten(tag.get()) + "`) are not allowed; write the value only");
+            throw fatal(event.getStartMark(), "tags (`" + Node.shorten(tag.get())
+                    + "`) are not allowed; write the value only");
         }
     }
 
