@@ -119,10 +119,10 @@ final class Session {
         }
         endedNanos = System.nanoTime();
         ending = why;
-        outbox.finish(why.bye().line());
         if (membership != null) {
             server.leave(membership, why.code());
         }
+        outbox.finish(why.bye().line()); // who has read its bye has left, and may come back
         if (welcomed) {
             counters.agents.decrement();
         }
