@@ -68,6 +68,8 @@ public final class FrameLoop {
 
     /**
      * Makes that many paced frames, fewer if {@link #stop()} is called or the thread interrupted.
+     *
+     * @param count 0 only publishes frame 0, if that has not happened yet
      */
     public void run(long count) {
         world.claim();

@@ -105,7 +105,7 @@ class BoundingBoxesTest {
         return random.nextDouble(-1, 1);
     }
 
-    /** Lowest and highest coordinates of the eight turned corners; of a sphere, around its centre. */
+    /** Lowest and highest coordinates of the eight turned corners (of a sphere: not turned). */
     private static double[][] turnedCorners(Item item) {
         double[] at = item.physical().location();
         Shape shape = item.physical().shape();

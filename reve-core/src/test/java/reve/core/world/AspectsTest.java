@@ -85,7 +85,8 @@ class AspectsTest {
         Item ball = world.add(ItemDefinition.named("ball").physics("mass", 1).build());
         assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("masss", 1))
                 .withMessageContaining("masss").withMessageContaining("mass, charge");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("position", 1, 2, 3))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.physics().set("position", 1, 2, 3))
                 .withMessageContaining("no physics property position");
         assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("velocity", 1, 2))
                 .withMessageContaining("2 components, expected 3 [m/s]");
