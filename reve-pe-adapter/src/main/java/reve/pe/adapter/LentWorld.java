@@ -1,6 +1,7 @@
 package reve.pe.adapter;
 
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
@@ -18,25 +19,27 @@ final class LentWorld {
     private final World world;
     private final PhysicalPropertyProvider provider;
     /** Columns first: they need no other to be right, and the engine must let go of old memory. */
-    private final List<LentProperty> properties = new ArrayList<>();
+    private final LentProperty[] properties;
     private long lentLayout = -1;
 
     LentWorld(World world, PhysicsEngine engine, ColumnArena arena) {
         this.world = world;
         this.provider = engine.propertyProvider();
+        List<LentProperty> inPlace = new ArrayList<>();
         List<LentProperty> references = new ArrayList<>();
         for (PropertyDescriptor property : engine.prototype().properties()) {
             Table table = world.table(property.kind());
             List<Column> columns = PropertyNames.columns(property.kind(), property.name())
                 .stream().map(table::column).toList();
             if (property.refersTo() == null) {
-                properties.add(new LentColumn(property.name(), table, columns.getFirst()));
+                inPlace.add(new LentColumn(property.name(), table, columns.getFirst()));
             } else {
                 references.add(new LentReferences(property.name(), world, table,
                     world.table(property.refersTo()), columns, arena));
             }
         }
-        properties.addAll(references);
+        inPlace.addAll(references);
+        properties = inPlace.toArray(LentProperty[]::new);
     }
 
     /**
@@ -64,13 +67,13 @@ final class LentWorld {
 
     /** The in-place columns of these properties, in a fixed order. */
     List<LentColumn> columns(Set<String> names) {
-        return properties.stream().filter(property -> names.contains(property.name()))
+        return Arrays.stream(properties).filter(property -> names.contains(property.name()))
             .filter(LentColumn.class::isInstance).map(LentColumn.class::cast).toList();
     }
 
     /** The item in a row of a property. */
     Optional<Item> item(String property, long row) {
-        return properties.stream().filter(p -> p.name().equals(property)).findFirst()
+        return Arrays.stream(properties).filter(p -> p.name().equals(property)).findFirst()
             .filter(p -> row < p.table().physicsRowCount())
             .map(p -> world.item(p.table().idAt((int) row)));
     }

@@ -148,9 +148,9 @@ class VesperErrorsNativeTest {
         assertThat(e.libraryId()).isEqualTo(id);
         assertThat(e.library()).isEqualTo("returns_failure");
         assertThat(e.law()).isEqualTo("returns_failure");
-        assertThat(e.property()).isEqualTo("velocity");
+        assertThat(e.property()).isEqualTo("externalForce");
         assertThat(e.row()).hasValue(0);
-        assertThat(e).hasMessageContaining("the bodies are too fast for this law");
+        assertThat(e).hasMessageContaining("the bodies are too many for this law");
     }
 
     @Test

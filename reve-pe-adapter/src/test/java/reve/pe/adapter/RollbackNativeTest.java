@@ -1,0 +1,133 @@
+package reve.pe.adapter;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import java.util.Map;
+import org.junit.jupiter.api.Test;
+import reve.core.world.OffHeapArena;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
+import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
+import reve.pe.SpringOrbit;
+import reve.pe.Status;
+
+class RollbackNativeTest {
+    private static final int BAD_STEP = 22; // the third of frame 6
+
+    @Test
+    void aLawThatWritesNanLeavesAWorldThatNeverHadIt() {
+        try (AdapterFixture clean = AdapterFixture.springOrbit();
+             AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+            spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
+            for (int frame = 0; frame < 20; frame++) {
+                clean.run(1);
+                spoilt.run(1);
+                assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
+                assertThat(spoilt.adapter.stateHash()).isEqualTo(clean.adapter.stateHash());
+            }
+            assertThat(spoilt.adapter.profile().redoneFrames()).isOne();
+        }
+    }
+
+    @Test
+    void theFaultNamesFrameLibraryLawPropertyAndItem() {
+        try (AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+            spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
+            spoilt.run(10);
+            WorldEvent fault = spoilt.events("fault").getFirst();
+            assertThat(spoilt.events("fault")).hasSize(1);
+            assertThat(fault.frame()).isEqualTo(6);
+            assertThat(fault.fields()).containsEntry("library", "writes_nan")
+                .containsEntry("law", "writes_nan").containsEntry("property", "velocity")
+                .containsEntry("row", 1L).containsEntry("item", "blue")
+                .containsEntry("status", "LAW_MISBEHAVED");
+            assertThat(fault.fields().get("message")).asString().contains("velocity", "nan");
+        }
+    }
+
+    @Test
+    void theSameBytesAreRefusedUntilReleased() {
+        try (AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+            Laws laws = spoilt.adapter.laws();
+            laws.load(0, "returns_failure", badFrom(0));
+            spoilt.run(1);
+            Quarantined out = laws.quarantined().getFirst();
+            assertThat(out.library()).isEqualTo("returns_failure");
+            assertThat(out.frame()).isEqualTo(1);
+            assertThat(out.status()).isEqualTo(Status.LAW_FAILED);
+            assertThatExceptionOfType(PhysicsException.class)
+                .isThrownBy(() -> laws.load(1, "returns_failure", Map.of()))
+                .withMessageContaining("in quarantine since frame 1")
+                .withMessageContaining("too many for this law");
+            assertThat(laws.release(out.sha256())).isTrue();
+            assertThat(laws.release(out.sha256())).isFalse();
+            laws.load(1, "returns_failure", badFrom(1e9));
+            spoilt.run(1);
+            assertThat(laws.loaded()).extracting(PhysicsLaw::library).contains("returns_failure");
+        }
+    }
+
+    @Test
+    void severalBadLawsOfOneFrameAllGo() {
+        try (AdapterFixture clean = AdapterFixture.springOrbit();
+             AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+            spoilt.adapter.laws().load(0, "returns_failure", badFrom(BAD_STEP));
+            spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
+            clean.run(10);
+            spoilt.run(10);
+            assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
+            assertThat(spoilt.events("fault")).extracting(WorldEvent::frame).containsExactly(6L, 6L);
+            assertThat(spoilt.adapter.profile().redoneFrames()).isEqualTo(2);
+            assertThat(spoilt.adapter.laws().loaded()).extracting(PhysicsLaw::library)
+                .containsExactly(SpringOrbit.LAWS);
+        }
+    }
+
+    @Test
+    void aLawThatFailsBesideAnAccumulatorRestoresTheForcesToo() {
+        try (AdapterFixture clean = AdapterFixture.springOrbit().load("wind");
+             AdapterFixture spoilt = AdapterFixture.springOrbit().load("wind", "returns_failure")) {
+            clean.run(3);
+            spoilt.run(3);
+            assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
+        }
+    }
+
+    @Test
+    void theLastLawMayFail() {
+        try (AdapterFixture still = new AdapterFixture()) {
+            still.world.addAll(AdapterFixture.springOrbitItems());
+            var before = still.bytes();
+            still.load("returns_failure").run(2);
+            assertThat(still.bytes()).isEqualTo(before);
+            assertThat(still.adapter.laws().loaded()).isEmpty();
+            assertThat(still.engine.stepCount()).isEqualTo(8);
+        }
+    }
+
+    @Test
+    void aFailureThatNoLawIsToBlameForStopsPhysicsForTheFrameAndIsReported() {
+        FailingEngine[] bug = new FailingEngine[1];
+        try (AdapterFixture orbit = new AdapterFixture(WorldPrototype.standard("si-f64"),
+            AdapterFixture.springOrbitItems(), new OffHeapArena(),
+            engine -> bug[0] = new FailingEngine(engine))) {
+            orbit.load(SpringOrbit.LAWS).run(3);
+            var before = orbit.bytes();
+            bug[0].broken = true;
+            orbit.run(2);
+            assertThat(orbit.bytes()).isEqualTo(before);
+            assertThat(orbit.events("fault")).singleElement().satisfies(fault ->
+                assertThat(fault.fields()).containsEntry("message", "lost a step"));
+            assertThat(orbit.adapter.laws().loaded()).hasSize(2);
+            bug[0].broken = false;
+            orbit.run(1);
+            assertThat(orbit.bytes()).isNotEqualTo(before);
+        }
+    }
+
+    private static Map<String, Double> badFrom(double step) {
+        return Map.of("from_step", step);
+    }
+}
