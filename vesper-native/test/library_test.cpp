@@ -95,7 +95,7 @@ TEST(LibraryTest, ForeignElfFilesAreRefused) {
   for (const Case& spoilt : {Case{4, 1, "not a 64-bit"}, Case{5, 2, "another byte order"},
                              Case{16, 1, "not a shared object"}, Case{18, 3, "another processor"},
                              Case{54, 1, "without program headers"},
-                             Case{39, -1, "impossible offset"}}) {
+                             Case{39, -1, "truncated: needs"}}) {
     std::vector<char> bytes = good;
     bytes[spoilt.offset] = spoilt.value;
     WriteFile(folder / "law.so", bytes);

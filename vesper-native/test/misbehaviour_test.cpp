@@ -103,7 +103,8 @@ TEST_P(MisbehaviourTest, FailedStepsAreVoidAndLeaveTheEngineFaulted) {
 
 TEST_P(MisbehaviourTest, ClearedFaultLetsTheEngineTryAgain) {
   AdvanceWith(Options(), WRITE_NAN);
-  bodies = Bodies(5);
+  const Bodies rollback(5);
+  bodies.position = rollback.position;
   EXPECT_EQ(vesper_engine_clear_fault(engine->get(), nullptr), VESPER_OK);
   EXPECT_REFUSED(LAW_MISBEHAVED, "wrote nan", engine->Advance(1, 1));
 }
