@@ -1,0 +1,162 @@
+package reve.worlds.render;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.time.Duration;
+import java.util.concurrent.ScheduledThreadPoolExecutor;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.concurrent.locks.ReentrantLock;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * Makes pictures of scenes in a process of its own, so that a crash in a graphics library costs a
+ * picture and never the world. The process is started for the first picture and again whenever it
+ * died.
+ *
+ * <p>Threads: any; pictures are made one after the other, callers wait. {@link #close()} comes
+ * through at any time and ends the picture being made.
+ */
+public final class Renderer implements AutoCloseable {
+
+    /** Long enough for the largest pictures on a busy machine. */
+    public static final Duration DEFAULT_DEADLINE = Duration.ofSeconds(60);
+
+    private static final int ATTEMPTS = 2;
+
+    private final Path program;
+    private final Duration deadline;
+    private final ReentrantLock one = new ReentrantLock(true);
+    private final ScheduledThreadPoolExecutor watch;
+    private volatile @Nullable RenderProcess process;
+    private volatile boolean closed;
+
+    /**
+     * Starts nothing yet.
+     *
+     * @param nativeFolder folder with the program {@code vesper-render}
+     * @param deadline for one picture, starting the process included
+     */
+    public Renderer(Path nativeFolder, Duration deadline) {
+        this.program = nativeFolder.resolve("vesper-render");
+        this.deadline = deadline;
+        this.watch = new ScheduledThreadPoolExecutor(1,
+                Thread.ofPlatform().daemon().name("vesper-render deadline").factory());
+        watch.setRemoveOnCancelPolicy(true);
+    }
+
+    /**
+     * Draws a scene.
+     *
+     * @return a PNG
+     * @throws RenderException if there is no picture; the next one may succeed
+     */
+    public byte[] render(Scene scene) {
+        return picture(scene, "");
+    }
+
+    /**
+     * Draws a scene into a file, which is replaced at once when the picture is done.
+     *
+     * @throws RenderException if there is no picture; a file that was there is untouched
+     */
+    public void render(Scene scene, Path file) {
+        picture(scene, file.toAbsolutePath().toString());
+    }
+
+    /** Ends the process, and with an exception the picture being made. */
+    @Override
+    public void close() {
+        closed = true;
+        watch.shutdownNow();
+        RenderProcess live = process;
+        if (live != null) {
+            live.kill();
+        }
+    }
+
+    /** Process id of the running program, -1 if none runs. */
+    long pid() {
+        RenderProcess live = process;
+        return live != null && live.isAlive() ? live.pid() : -1;
+    }
+
+    private byte[] picture(Scene scene, String path) {
+        one.lock();
+        try {
+            for (int attempt = 1; ; attempt++) {
+                var expired = new AtomicBoolean();
+                try {
+                    return attempt(scene, path, expired);
+                } catch (IOException cut) {
+                    explain(cut, expired.get(), attempt);
+                }
+            }
+        } finally {
+            one.unlock();
+        }
+    }
+
+    private byte[] attempt(Scene scene, String path, AtomicBoolean expired) throws IOException {
+        RenderProcess live = running();
+        var alarm = watch.schedule(() -> {
+            expired.set(true);
+            live.kill();
+        }, deadline.toNanos(), TimeUnit.NANOSECONDS);
+        try {
+            SceneStream.Answer answer = live.stream().render(scene, path);
+            return switch (answer.status()) {
+                case SceneStream.OK -> answer.payload();
+                case SceneStream.MALFORMED -> {
+                    live.kill();
+                    throw new RenderException("the scene cannot be drawn: " + answer.reason());
+                }
+                default -> throw new RenderException(answer.reason());
+            };
+        } finally {
+            alarm.cancel(false);
+        }
+    }
+
+    /** The process that runs, or a new one. */
+    private RenderProcess running() throws IOException {
+        RenderProcess live = process;
+        if (live != null && live.isAlive()) {
+            return live;
+        }
+        if (!Files.isExecutable(program)) {
+            throw new RenderException("there is no program " + program
+                    + "; build it with `./reve build` or name its folder in -Dreve.native.path");
+        }
+        RenderProcess started = new RenderProcess(program);
+        process = started;
+        if (closed) {
+            started.kill();
+        }
+        SceneStream.Answer hello = started.stream().hello();
+        if (hello.status() != SceneStream.OK) {
+            throw new RenderException(program + " is not of this version: " + hello.reason());
+        }
+        return started;
+    }
+
+    /** Returns if another attempt is worth while. */
+    private void explain(IOException cut, boolean expired, int attempt) {
+        RenderProcess dead = process;
+        process = null;
+        if (closed) {
+            throw new RenderException("the renderer was closed before the picture was done", cut);
+        }
+        if (expired) {
+            throw new RenderException("no picture within " + deadline.toMillis()
+                    + " ms, so vesper-render was ended; ask for a smaller picture, fewer samples, "
+                    + "no shadows, or allow it more time", cut);
+        }
+        if (attempt == ATTEMPTS) {
+            String end = dead == null ? cut.getMessage() : dead.describeEnd();
+            throw new RenderException("no picture in " + ATTEMPTS + " attempts: vesper-render "
+                    + end, cut);
+        }
+    }
+}

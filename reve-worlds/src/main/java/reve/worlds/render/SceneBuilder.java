@@ -1,0 +1,197 @@
+package reve.worlds.render;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.util.Optional;
+import reve.core.world.ColumnView;
+import reve.core.world.ItemId;
+import reve.core.world.Mesh;
+import reve.core.world.ScalarType;
+import reve.core.world.Shape;
+import reve.core.world.TableSnapshot;
+import reve.core.world.WorldPrototype;
+import reve.core.world.WorldSnapshot;
+
+/**
+ * Shows a world as it was at the end of a frame: its bodies by shape, its springs as lines. Planes
+ * get a grid; a world without planes stands over a faint ground that fades, so that depth and
+ * motion can be read.
+ *
+ * @param image size and quality
+ * @param environment background and light
+ * @param camera where from, or empty to see all bodies but planes; it needs their bounding boxes,
+ *     which DERIVE computes
+ */
+public record SceneBuilder(ImageFormat image, Environment environment, Optional<Camera> camera) {
+
+    private static final ValueLayout.OfDouble DOUBLE = ValueLayout.JAVA_DOUBLE;
+    private static final ValueLayout.OfFloat FLOAT = ValueLayout.JAVA_FLOAT;
+    private static final ValueLayout.OfInt INT = ValueLayout.JAVA_INT;
+
+    private static final int SPRING_RGBA = 0xff82766e;
+    private static final int GROUND_RGBA = 0xfff1eeec;
+    /** Width of a spring's line in parts of the picture's height. */
+    private static final float SPRING_WIDTH = 1 / 200f;
+    /** Side of the ground in parts of the world's longest side: beyond what fading leaves. */
+    private static final double GROUND_SIDE = 60;
+    private static final double INFINITY = Double.POSITIVE_INFINITY;
+    private static final Point ORIGIN = new Point(0, 0, 0);
+
+    /** The part of a row that a scene wants, whatever type the world's reals have. */
+    private record Reals(MemorySegment segment, boolean single) {
+        Reals(TableSnapshot table, String property) {
+            this(table.column(property).segment(), table.column(property).type() == ScalarType.F32);
+        }
+
+        double at(long index) {
+            return single ? segment.getAtIndex(FLOAT, index) : segment.getAtIndex(DOUBLE, index);
+        }
+    }
+
+    /**
+     * Reads the snapshot; may be closed afterwards. Any thread.
+     *
+     * @throws RenderException if the snapshot was lost meanwhile; take a newer one
+     */
+    public Scene build(WorldSnapshot snapshot) {
+        try {
+            Scene scene = read(snapshot);
+            if (!snapshot.lost()) {
+                return scene;
+            }
+        } catch (RuntimeException nonsense) {
+            if (!snapshot.lost()) {
+                throw nonsense;
+            }
+        }
+        throw new RenderException("the snapshot of frame " + snapshot.frame()
+                + " was overwritten while it was read; take a newer one");
+    }
+
+    /** Box around all bodies with a shape but planes, or around the planes if there is no other. */
+    public static Optional<Bounds> bounds(WorldSnapshot snapshot) {
+        TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
+        return bounds(bodies, false).or(() -> bounds(bodies, true));
+    }
+
+    private static Optional<Bounds> bounds(TableSnapshot bodies, boolean planes) {
+        var lows = new Reals(bodies, "boundsMin");
+        var highs = new Reals(bodies, "boundsMax");
+        MemorySegment shape = bodies.column("shape").segment();
+        double[] low = {INFINITY, INFINITY, INFINITY};
+        double[] high = {-INFINITY, -INFINITY, -INFINITY};
+        for (int row = 0; row < bodies.rowCount(); row++) {
+            int code = shape.getAtIndex(INT, row);
+            if (code == Shape.NONE || (code == Shape.PLANE) != planes) {
+                continue;
+            }
+            for (int i = 0; i < 3; i++) {
+                low[i] = Math.min(low[i], lows.at(row * 3L + i));
+                high[i] = Math.max(high[i], highs.at(row * 3L + i));
+            }
+        }
+        return low[0] == INFINITY ? Optional.empty()
+                : Optional.of(new Bounds(point(low), point(high)));
+    }
+
+    private Scene read(WorldSnapshot snapshot) {
+        Bounds bounds = bounds(snapshot).orElse(new Bounds(ORIGIN, ORIGIN));
+        Camera from = camera.orElseGet(() -> Camera.fit(bounds, image.aspect()));
+        var scene = new Scene(image, from, environment);
+        TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
+        boolean hasPlane = addBodies(scene, bodies, snapshot);
+        if (!hasPlane) {
+            addGround(scene, bounds);
+        }
+        for (TableSnapshot table : snapshot.tables()) {
+            if (table.kind().equals(WorldPrototype.SPRING)) {
+                addSprings(scene, table, bodies);
+            }
+        }
+        return scene;
+    }
+
+    /** Returns whether one of them is a plane. */
+    private static boolean addBodies(Scene scene, TableSnapshot bodies, WorldSnapshot snapshot) {
+        var position = new Reals(bodies, "position");
+        var orientation = new Reals(bodies, "orientation");
+        var size = new Reals(bodies, "size");
+        MemorySegment shape = bodies.column("shape").segment();
+        MemorySegment colour = bodies.column("colour").segment();
+        boolean hasPlane = false;
+        for (int row = 0; row < bodies.rowCount(); row++) {
+            int code = shape.getAtIndex(INT, row);
+            if (code == Shape.NONE) {
+                continue;
+            }
+            Instances instances = code == Shape.MESH
+                    ? scene.instances((Mesh) snapshot.symbols().get(bodies.idAt(row)).shape())
+                    : scene.instances(code);
+            long at = row * 3L;
+            instances.position(position.at(at), position.at(at + 1), position.at(at + 2));
+            addOrientation(instances, orientation, row * 4L);
+            if (code == Shape.MESH) {
+                instances.size(1, 1, 1);
+            } else {
+                instances.size(size.at(at), size.at(at + 1), size.at(at + 2));
+            }
+            instances.colour(colour.getAtIndex(INT, row));
+            instances.flags(code == Shape.PLANE ? Instances.GRID : 0);
+            hasPlane |= code == Shape.PLANE;
+        }
+        return hasPlane;
+    }
+
+    /** A law may let the length of a quaternion drift; a picture wants it to be 1. */
+    private static void addOrientation(Instances instances, Reals orientation, long at) {
+        double x = orientation.at(at);
+        double y = orientation.at(at + 1);
+        double z = orientation.at(at + 2);
+        double w = orientation.at(at + 3);
+        double length = Math.sqrt(x * x + y * y + z * z + w * w);
+        if (length > 0) {
+            instances.orientation(x / length, y / length, z / length, w / length);
+        } else {
+            instances.orientation(0, 0, 0, 1);
+        }
+    }
+
+    /** A ground under everything that stays where it is when items move a little. */
+    private static void addGround(Scene scene, Bounds bounds) {
+        double side = Math.max(bounds.longestSide(), 1e-3);
+        double low = bounds.low().y();
+        double step = Math.pow(10, Math.floor(Math.log10(side)));
+        double level = low >= 0 && low <= 2 * side ? 0 : Math.floor(low / step) * step;
+        Point centre = bounds.centre();
+        scene.instances(Shape.PLANE).position(centre.x(), level, centre.z())
+                .orientation(0, 0, 0, 1).size(GROUND_SIDE * side, 0, GROUND_SIDE * side)
+                .colour(GROUND_RGBA).flags(Instances.GRID | Instances.FADE);
+    }
+
+    private void addSprings(Scene scene, TableSnapshot springs, TableSnapshot bodies) {
+        var position = new Reals(bodies, "position");
+        ColumnView end1 = springs.column("end1");
+        ColumnView end2 = springs.column("end2");
+        float width = Math.clamp(image.height() * SPRING_WIDTH, 1.5f, 16f);
+        for (int row = 0; row < springs.rowCount(); row++) {
+            long from = 3L * rowOf(bodies, end1, row);
+            long to = 3L * rowOf(bodies, end2, row);
+            if (from < 0 || to < 0) {
+                continue;
+            }
+            scene.segments(width).colour(SPRING_RGBA)
+                    .from(position.at(from), position.at(from + 1), position.at(from + 2))
+                    .to(position.at(to), position.at(to + 1), position.at(to + 2));
+        }
+    }
+
+    /** Row of the body that is referred to, negative if there is none. */
+    private static int rowOf(TableSnapshot bodies, ColumnView references, int row) {
+        long id = references.getReference(row, 0);
+        return id > 0 ? bodies.rowOf(new ItemId(id)) : -1;
+    }
+
+    private static Point point(double[] values) {
+        return new Point(values[0], values[1], values[2]);
+    }
+}
