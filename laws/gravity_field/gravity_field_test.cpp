@@ -52,9 +52,10 @@ TYPED_TEST(GravityFieldTest, ProjectileFollowsTheParabolaOfTheScheme) {
   engine.LoadPhysicsLaw("gravity_field");
   const double dt = 1.0 / 240, t = 480 * dt;
   engine.Advance(dt, 480);
-  EXPECT_NEAR(scene.position[0], 12 * t, Rounding<TypeParam>(480 * 24));
-  EXPECT_NEAR(scene.position[1], 1 + 20 * t - 9.81 * t * (t + dt) / 2, Rounding<TypeParam>(480 * 24));
-  EXPECT_NEAR(scene.position[2], -5 * t, Rounding<TypeParam>(480 * 24));
+  const double rounding = Rounding<TypeParam>(480 * 24);
+  EXPECT_NEAR(scene.position[0], 12 * t, rounding);
+  EXPECT_NEAR(scene.position[1], 1 + 20 * t - 9.81 * t * (t + dt) / 2, rounding);
+  EXPECT_NEAR(scene.position[2], -5 * t, rounding);
 }
 
 // The scheme's energy is off by -m g^2 t dt / 2: first order in dt, and known.

@@ -52,8 +52,8 @@ TYPED_TEST(HookeSpringTest, PeriodMatchesClosedForm) {
     oscillator.engine.Advance(dt);
     const double strain = oscillator.Strain();
     if (before > 0 && strain <= 0) {
-      const double time = (n - strain / (strain - before)) * dt;
-      (falls++ == 0 ? first : last) = time;
+      last = (n - strain / (strain - before)) * dt;
+      if (falls++ == 0) first = last;
     }
     before = strain;
     ASSERT_LT(n, 10000) << "it does not oscillate";

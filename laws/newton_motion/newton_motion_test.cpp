@@ -30,7 +30,8 @@ TYPED_TEST(NewtonMotionTest, ConstantForceGivesTheSumsOfTheScheme) {
   const double dt = 0.01;
   const int n = 500;
   engine.Advance(dt, n);
-  const Vec3<double> v_n = v + a * (n * dt), x_n = x + v * (n * dt) + a * (n * (n + 1) / 2 * dt * dt);
+  const Vec3<double> v_n = v + a * (n * dt);
+  const Vec3<double> x_n = x + v * (n * dt) + a * (n * (n + 1) / 2 * dt * dt);
   const Vec3<double> dv = scene.Wide(scene.At(scene.velocity, 0)) - v_n;
   const Vec3<double> dx = scene.Wide(scene.At(scene.position, 0)) - x_n;
   EXPECT_LT(Length(dv), Rounding<TypeParam>(n * Length(v_n)));

@@ -97,7 +97,9 @@ TEST_P(LawFileContract, TakesSymbolsFromTheStandardLibrariesOnly) {
                            "libgcc_s\\.so\\.1|ld-linux.*)\\)");
   const std::vector<std::string> imports = LawFile(GetParam()).Imports();
   EXPECT_FALSE(imports.empty());
-  for (const std::string& import : imports) EXPECT_TRUE(std::regex_match(import, allowed)) << import;
+  for (const std::string& import : imports) {
+    EXPECT_TRUE(std::regex_match(import, allowed)) << import;
+  }
 }
 
 TEST_P(LawFileContract, LinksTheStandardLibrariesOnly) {

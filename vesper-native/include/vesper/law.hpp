@@ -3,18 +3,22 @@
  * A law is a class template over the real type. Its members are the properties and parameters it
  * uses, and one macro at the end of the file makes the library, for both precisions:
  *
+ *     using namespace vesper;
+ *
  *     template <class Real>
  *     struct UniformWeight {
  *       static constexpr auto kName = "uniform_weight", kVersion = "1.0.0";
  *       static constexpr auto kDoc = "Pulls every body down with its mass times g.";
- *       static constexpr auto kPhase = vesper::Phase::kForce;
- *       vesper::Parameter g{"g", "Free-fall acceleration.", vesper::units::metre_per_second_squared,
- *                           9.81, 0.0, 100.0};
- *       vesper::Read<Real> mass{"mass", "body", vesper::units::kilogram};
- *       vesper::Accumulate<vesper::Vec3<Real>> force{"externalForce", "body", vesper::units::newton};
+ *       static constexpr auto kPhase = Phase::kForce;
+ *
+ *       Parameter g{"g", "Free fall.", units::metre_per_second_squared, 9.81, 0.0, 100.0};
+ *       Read<Real> mass{"mass", "body", units::kilogram};
+ *       Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
+ *
  *       auto Parameters() { return std::tie(g); }
  *       auto Properties() { return std::tie(mass, force); }
- *       void Advance(const vesper::Step&) {
+ *
+ *       void Advance(const Step&) {
  *         for (uint64_t i = 0; i < mass.size(); ++i) force[i].y -= mass[i] * Real(g);
  *       }
  *     };

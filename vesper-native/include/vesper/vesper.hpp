@@ -169,7 +169,7 @@ struct ParameterValue {
 /** Registers the client's arrays with an engine. Borrowed: valid as long as its engine. */
 class PhysicalPropertyProvider {
  public:
-  /** `values`: flat, (rows x components) of the type that the prototype says, a container or a span.
+  /** `values`: flat, (rows x components) of the prototype's type, a container or a span, borrowed.
    *  With `indices` (rows), row i is value indices[i]: shared values, read-only to laws. */
   template <detail::Values Values>
   void AddPhysicalProperty(const std::string& name, Values&& values,
