@@ -6,8 +6,8 @@ package reve.pe.adapter;
  * @param frames advanced
  * @param redoneFrames times a frame was done over because a law failed
  * @param bindNanoseconds telling the engine what changed in the world
- * @param copyNanoseconds keeping and restoring the columns that laws may write
- * @param advanceNanoseconds inside the engine
+ * @param copyNanoseconds keeping the columns that laws may write
+ * @param advanceNanoseconds inside the engine, redone frames included
  */
 public record AdapterProfile(long frames, long redoneFrames, long bindNanoseconds,
                              long copyNanoseconds, long advanceNanoseconds) {

@@ -1,6 +1,7 @@
 package reve.pe.adapter;
 
 import java.io.IOException;
+import java.io.UncheckedIOException;
 import java.nio.file.Files;
 import java.nio.file.LinkOption;
 import java.nio.file.NoSuchFileException;
@@ -50,7 +51,7 @@ public final class LawFolder implements AutoCloseable {
     private final Map<String, WatchedFile> files = new TreeMap<>();
     private long sequence;
     private @Nullable Thread thread;
-    private @Nullable String complaint;
+    private @Nullable String lastWarning;
 
     /** What one content of a file is known by without reading it. */
     private record Stamp(@Nullable Object key, long size, long modifiedNanoseconds) {
@@ -100,7 +101,6 @@ public final class LawFolder implements AutoCloseable {
     public void look() {
         try {
             Map<String, Path> present = list();
-            complaint = null;
             for (String name : new TreeSet<>(files.keySet())) {
                 if (!present.containsKey(name)) {
                     lookAtMissing(name, files.get(name));
@@ -108,8 +108,8 @@ public final class LawFolder implements AutoCloseable {
             }
             present.forEach((name, file) ->
                 lookAt(name, file, files.computeIfAbsent(name, n -> new WatchedFile())));
-        } catch (IOException e) {
-            complain(folder + " cannot be read, laws stay as they are: " + e);
+        } catch (IOException | UncheckedIOException e) {
+            warnOnce(folder + " cannot be read, laws stay as they are: " + e);
         }
     }
 
@@ -187,7 +187,7 @@ public final class LawFolder implements AutoCloseable {
         } catch (NoSuchFileException e) {
             // gone since it was listed: the next look misses it
         } catch (IOException e) {
-            complain(path + " cannot be read: " + e.getMessage());
+            warnOnce(path + " cannot be read: " + e.getMessage());
         }
     }
 
@@ -253,9 +253,9 @@ public final class LawFolder implements AutoCloseable {
         return commands.offer(new FolderLaws.Entry(sequence++, change));
     }
 
-    private void complain(String message) {
-        if (!message.equals(complaint)) {
-            complaint = message;
+    private void warnOnce(String message) {
+        if (!message.equals(lastWarning)) {
+            lastWarning = message;
             LOG.warn("{}", message);
         }
     }

@@ -44,7 +44,7 @@ public final class VesperEngine implements PhysicsEngine {
     private final MemorySegment lawInfo;
     private final MemorySegment out;
     private final Map<Integer, LibraryNames> libraries = new LinkedHashMap<>();
-    private boolean closed;
+    private volatile boolean closed;
 
     /**
      * Makes an engine for a prototype. The native library is found through the system property

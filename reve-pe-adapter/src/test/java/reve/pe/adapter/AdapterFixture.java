@@ -27,7 +27,7 @@ import reve.pe.SpringOrbit;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
 
-/** A world, its adapter and a validating engine, stepped by hand: 60 frames/s, 4 steps a frame. */
+/** A world, its adapter and an engine, stepped by hand: 60 frames/s, 4 steps a frame. */
 final class AdapterFixture implements AutoCloseable {
     static final int FRAMES = SpringOrbit.STEPS / 4;
 
@@ -43,17 +43,21 @@ final class AdapterFixture implements AutoCloseable {
 
     /** An empty world of the standard prototype. */
     AdapterFixture() {
-        this(WorldPrototype.standard("si-f64"), List.of(), new OffHeapArena(), engine -> engine);
+        this(WorldPrototype.standard("si-f64"), List.of(), new OffHeapArena(), true,
+            engine -> engine);
     }
 
-    /** @param engine what the adapter gets instead of the engine itself */
+    /**
+     * @param validate whether laws run on guarded copies or on the columns themselves
+     * @param engine what the adapter gets instead of the engine itself
+     */
     AdapterFixture(WorldPrototype prototype, List<ItemDefinition> items, ColumnArena arena,
-                   UnaryOperator<PhysicsEngine> engine) {
+                   boolean validate, UnaryOperator<PhysicsEngine> engine) {
         this.arena = arena;
         this.world = new World("test", prototype, arena);
         world.addAll(items);
         this.engine = engine.apply(new VesperEngine(
-            new VesperConfig(1, true, NativeFiles.lawPath(), (level, message) -> { }),
+            new VesperConfig(1, validate, NativeFiles.lawPath(), (level, message) -> { }),
             PropertyNames.prototype(prototype,
                 VesperEngine.standardPrototype(prototype.name()))));
         this.adapter = new PhysicsAdapter(world, this.engine, arena);
@@ -69,8 +73,12 @@ final class AdapterFixture implements AutoCloseable {
 
     /** The scene of {@link SpringOrbit} with its laws. */
     static AdapterFixture springOrbit() {
+        return springOrbit(true);
+    }
+
+    static AdapterFixture springOrbit(boolean validate) {
         AdapterFixture fixture = new AdapterFixture(WorldPrototype.standard("si-f64"),
-            springOrbitItems(), new OffHeapArena(), engine -> engine);
+            springOrbitItems(), new OffHeapArena(), validate, engine -> engine);
         fixture.load(SpringOrbit.LAWS);
         return fixture;
     }

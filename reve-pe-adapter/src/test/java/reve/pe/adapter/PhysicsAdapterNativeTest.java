@@ -135,7 +135,8 @@ class PhysicsAdapterNativeTest {
         try (AdapterFixture orbit = AdapterFixture.springOrbit();
              SharedArena arena = new SharedArena();
              AdapterFixture shared = new AdapterFixture(WorldPrototype.standard("si-f64"),
-                 AdapterFixture.springOrbitItems(), arena, engine -> engine)) {
+                 AdapterFixture.springOrbitItems(), arena, true,
+                 engine -> engine)) {
             shared.load(SpringOrbit.LAWS).run(10);
             orbit.run(10);
             assertThat(shared.bytes()).isEqualTo(orbit.bytes());
@@ -155,7 +156,8 @@ class PhysicsAdapterNativeTest {
             new PropertyDescriptor("temperature", "body", ScalarType.F32, 1, Unit.parse("K"),
                 Optional.empty(), "")));
         try (AdapterFixture warm = new AdapterFixture(prototype,
-            AdapterFixture.springOrbitItems(), new OffHeapArena(), engine -> engine)) {
+            AdapterFixture.springOrbitItems(), new OffHeapArena(), true,
+            engine -> engine)) {
             long cold = warm.adapter.stateHash();
             warm.world.find("red").orElseThrow().physics().set("temperature", 300);
             assertThat(warm.adapter.stateHash()).isNotEqualTo(cold);

@@ -5,6 +5,8 @@ import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import java.util.Map;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.world.OffHeapArena;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
@@ -16,10 +18,11 @@ import reve.pe.Status;
 class RollbackNativeTest {
     private static final int BAD_STEP = 22; // the third of frame 6
 
-    @Test
-    void aLawThatWritesNanLeavesAWorldThatNeverHadIt() {
-        try (AdapterFixture clean = AdapterFixture.springOrbit();
-             AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+    @ParameterizedTest
+    @ValueSource(booleans = {false, true})
+    void aLawThatWritesNanLeavesAWorldThatNeverHadIt(boolean validate) {
+        try (AdapterFixture clean = AdapterFixture.springOrbit(validate);
+             AdapterFixture spoilt = AdapterFixture.springOrbit(validate)) {
             spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
             for (int frame = 0; frame < 20; frame++) {
                 clean.run(1);
@@ -69,10 +72,11 @@ class RollbackNativeTest {
         }
     }
 
-    @Test
-    void severalBadLawsOfOneFrameAllGo() {
-        try (AdapterFixture clean = AdapterFixture.springOrbit();
-             AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+    @ParameterizedTest
+    @ValueSource(booleans = {false, true})
+    void severalBadLawsOfOneFrameAllGo(boolean validate) {
+        try (AdapterFixture clean = AdapterFixture.springOrbit(validate);
+             AdapterFixture spoilt = AdapterFixture.springOrbit(validate)) {
             spoilt.adapter.laws().load(0, "returns_failure", badFrom(BAD_STEP));
             spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
             clean.run(10);
@@ -85,20 +89,22 @@ class RollbackNativeTest {
         }
     }
 
-    @Test
-    void aLawThatFailsBesideAnAccumulatorRestoresTheForcesToo() {
-        try (AdapterFixture clean = AdapterFixture.springOrbit().load("wind");
-             AdapterFixture spoilt = AdapterFixture.springOrbit().load("wind", "returns_failure")) {
+    @ParameterizedTest
+    @ValueSource(booleans = {false, true})
+    void aLawThatFailsBesideAnAccumulatorRestoresTheForcesToo(boolean validate) {
+        try (AdapterFixture clean = AdapterFixture.springOrbit(validate).load("wind");
+             AdapterFixture spoilt = AdapterFixture.springOrbit(validate).load("wind", "returns_failure")) {
             clean.run(3);
             spoilt.run(3);
             assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
         }
     }
 
-    @Test
-    void theLastLawMayFail() {
-        try (AdapterFixture still = new AdapterFixture()) {
-            still.world.addAll(AdapterFixture.springOrbitItems());
+    @ParameterizedTest
+    @ValueSource(booleans = {false, true})
+    void theLastLawMayFail(boolean validate) {
+        try (AdapterFixture still = new AdapterFixture(WorldPrototype.standard("si-f64"),
+            AdapterFixture.springOrbitItems(), new OffHeapArena(), validate, engine -> engine)) {
             var before = still.bytes();
             still.load("returns_failure").run(2);
             assertThat(still.bytes()).isEqualTo(before);
@@ -111,7 +117,7 @@ class RollbackNativeTest {
     void aFailureThatNoLawIsToBlameForStopsPhysicsForTheFrameAndIsReported() {
         FailingEngine[] bug = new FailingEngine[1];
         try (AdapterFixture orbit = new AdapterFixture(WorldPrototype.standard("si-f64"),
-            AdapterFixture.springOrbitItems(), new OffHeapArena(),
+            AdapterFixture.springOrbitItems(), new OffHeapArena(), true,
             engine -> bug[0] = new FailingEngine(engine))) {
             orbit.load(SpringOrbit.LAWS).run(3);
             var before = orbit.bytes();

@@ -1,0 +1,273 @@
+package reve.pe.adapter;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+import static org.assertj.core.api.Assertions.offset;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
+import java.nio.file.StandardOpenOption;
+import java.nio.file.attribute.FileTime;
+import java.nio.file.attribute.PosixFilePermissions;
+import java.time.Duration;
+import java.util.Arrays;
+import java.util.List;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.world.WorldEvent;
+import reve.pe.NativeFiles;
+import reve.pe.PhysicsLaw;
+
+class LawFolderNativeTest {
+    /** Gain of speed per frame under a force of 1 N on 1 kg [m/s]. */
+    private static final double GAIN = 1.0 / 60;
+
+    @TempDir
+    private Path folder;
+    private final AdapterFixture world = new AdapterFixture();
+    private LawFolder laws;
+
+    @BeforeEach
+    void follow() {
+        world.world.add(AdapterFixture.body("stone", 1, 0, 0, 0, 0, 0, 0));
+        world.load("newton_motion");
+        laws = new LawFolder(folder, world.engine, world.adapter.laws(), world.commands);
+    }
+
+    @AfterEach
+    void close() {
+        laws.close();
+        world.close();
+    }
+
+    @Test
+    void aDroppedLawActsOnceItLookedTheSameTwice() throws IOException {
+        drop("wind", "wind.so");
+        lookAndRun(1);
+        assertThat(loaded()).containsExactly("newton_motion");
+        lookAndRun(1);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(speed()).isCloseTo(GAIN, offset(1e-15));
+        assertThat(world.events("law-loaded")).last().satisfies(event -> {
+            assertThat(event.frame()).isEqualTo(2);
+            assertThat(event.fields()).containsEntry("library", "wind");
+        });
+    }
+
+    @Test
+    void aFileThatKeepsGrowingWaitsUntilItIsWhole() throws IOException {
+        byte[] whole = Files.readAllBytes(NativeFiles.testLaw("wind"));
+        Path file = folder.resolve("wind.so");
+        Files.createFile(file);
+        for (int i = 0; i < 8; i++) {
+            Files.write(file, Arrays.copyOfRange(whole, whole.length * i / 8,
+                whole.length * (i + 1) / 8), StandardOpenOption.APPEND);
+            lookAndRun(1 + i % 4);
+        }
+        lookAndRun(2);
+        assertThat(loaded()).contains("wind");
+        assertThat(world.events("fault")).isEmpty();
+    }
+
+    @Test
+    void aRemovedLawStops() throws IOException {
+        Path file = drop("wind", "wind.so");
+        lookAndRun(3);
+        double speed = speed();
+        Files.delete(file);
+        lookAndRun(2);
+        assertThat(speed()).isEqualTo(speed);
+        assertThat(loaded()).containsExactly("newton_motion");
+        assertThat(world.events("law-unloaded")).hasSize(1);
+        assertThat(Files.readString(Path.of("/proc/self/maps"))).doesNotContain("wind.so");
+        drop("wind", "wind.so");
+        lookAndRun(2);
+        assertThat(loaded()).contains("wind");
+    }
+
+    @Test
+    void aReplacedLawIsExchangedBetweenTwoFrames() throws IOException {
+        drop("wind", "wind.so");
+        lookAndRun(2);
+        drop("strong_wind", "wind.so");
+        lookAndRun(2);
+        // one frame of the weak wind while the new file settled, one of the strong
+        assertThat(speed()).isCloseTo(GAIN + GAIN + 2 * GAIN, offset(1e-15));
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(world.events).filteredOn(event -> event.frame() == 4)
+            .extracting(WorldEvent::type).containsExactly("law-unloaded", "law-loaded");
+    }
+
+    @Test
+    void aLawStaysWhenItsReplacementIsRefused() throws IOException {
+        drop("wind", "wind.so");
+        lookAndRun(2);
+        drop("rival_motion", "wind.so");
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(speed()).isCloseTo(4 * GAIN, offset(1e-15));
+        assertThat(world.events("fault")).singleElement().satisfies(fault ->
+            assertThat(fault.fields()).containsEntry("source", "laws-folder")
+                .containsEntry("file", "wind.so").containsEntry("status", "ACCESS_CONFLICT"));
+        drop("strong_wind", "wind.so");
+        lookAndRun(3);
+        assertThat(world.events("fault")).hasSize(2).last().satisfies(fault ->
+            assertThat(fault.fields().get("message")).asString().contains("remove the file first"));
+        Files.delete(folder.resolve("wind.so"));
+        lookAndRun(1);
+        drop("strong_wind", "wind.so");
+        double before = speed();
+        lookAndRun(2);
+        assertThat(speed() - before).isCloseTo(2 * GAIN, offset(1e-15));
+    }
+
+    @Test
+    void aTouchedFileOfTheSameBytesChangesNothing() throws IOException {
+        Path file = drop("wind", "wind.so");
+        lookAndRun(2);
+        Files.setLastModifiedTime(file, FileTime.fromMillis(1));
+        lookAndRun(3);
+        assertThat(world.events("law-loaded")).hasSize(2);
+        assertThat(world.events("law-unloaded")).isEmpty();
+    }
+
+    @Test
+    void whatIsNoLawIsToldOnceAndCostsNothingElse() throws IOException {
+        Path file = Files.writeString(folder.resolve("garbage.so"), "I am no law");
+        lookAndRun(11);
+        assertThat(world.events("fault")).isEmpty();
+        lookAndRun(20);
+        Files.setLastModifiedTime(file, FileTime.fromMillis(1));
+        lookAndRun(20);
+        assertThat(world.events("fault")).singleElement().satisfies(fault ->
+            assertThat(fault.fields()).containsEntry("source", "laws-folder")
+                .containsEntry("file", "garbage.so")
+                .containsEntry("status", "LIBRARY_LOAD_FAILED"));
+        assertThat(loaded()).containsExactly("newton_motion");
+    }
+
+    @Test
+    void aLawForAnotherContractIsToldAtOnce() throws IOException {
+        drop("other_abi", "other.so");
+        lookAndRun(3);
+        assertThat(world.events("fault")).singleElement().satisfies(fault ->
+            assertThat(fault.fields()).containsEntry("status", "ABI_MISMATCH"));
+    }
+
+    @Test
+    void linksPipesAndFoldersAreIgnoredWithTheReason() throws Exception {
+        Files.createSymbolicLink(folder.resolve("a.so"), NativeFiles.testLaw("wind"));
+        Files.createDirectory(folder.resolve("b.so"));
+        assertThat(new ProcessBuilder("mkfifo", folder.resolve("c.so").toString()).start()
+            .waitFor()).isZero();
+        Files.writeString(folder.resolve("README"), "not a law, and not meant to be one");
+        lookAndRun(4);
+        assertThat(world.events("fault")).extracting(event ->
+            String.valueOf(event.fields().get("message"))).satisfiesExactly(
+                link -> assertThat(link).contains("found a symbolic link"),
+                directory -> assertThat(directory).contains("found a folder"),
+                pipe -> assertThat(pipe).contains("found a special file"));
+        assertThat(loaded()).containsExactly("newton_motion");
+    }
+
+    @Test
+    void aLawThatFailsStaysOutUntilItsFileHoldsOtherBytes() throws IOException {
+        drop("returns_failure", "mine.so");
+        lookAndRun(3);
+        assertThat(world.events("fault")).hasSize(1);
+        assertThat(world.adapter.laws().quarantined()).extracting(Quarantined::library)
+            .containsExactly("returns_failure");
+        drop("returns_failure", "copy.so");
+        lookAndRun(3);
+        assertThat(world.events("fault")).hasSize(2).last().satisfies(fault ->
+            assertThat(fault.fields().get("message")).asString().contains("in quarantine"));
+        drop("wind", "mine.so");
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+    }
+
+    @Test
+    void aFullFolderIgnoresWhatComesLater() throws IOException {
+        for (int i = 0; i <= LawFolder.MAX_LIBRARIES; i++) {
+            drop("greets", "law-%03d.so".formatted(i));
+        }
+        lookAndRun(3);
+        assertThat(world.events("fault")).filteredOn(fault ->
+                String.valueOf(fault.fields().get("message")).contains("the folder has 64"))
+            .singleElement().satisfies(fault ->
+                assertThat(fault.fields()).containsEntry("file", "law-064.so"));
+    }
+
+    @Test
+    void lawsStayAsTheyAreWhenTheFolderCannotBeRead() throws IOException {
+        drop("wind", "wind.so");
+        lookAndRun(2);
+        Path away = Files.move(folder, folder.resolveSibling(folder.getFileName() + "-away"));
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        Files.move(away, folder);
+        lookAndRun(3);
+        assertThat(world.events("law-loaded")).hasSize(2);
+        assertThat(world.events("law-unloaded")).isEmpty();
+    }
+
+    @Test
+    void aFolderThatIsNoneOrOpenToEverybodyIsRefused() throws IOException {
+        Path file = Files.createFile(folder.resolve("file"));
+        assertThatIllegalArgumentException().isThrownBy(() -> followAnother(file))
+            .withMessage("laws folder " + file + " is not a folder; create it, or name another");
+        Path open = Files.createDirectory(folder.resolve("open"));
+        Files.setPosixFilePermissions(open, PosixFilePermissions.fromString("rwxrwxrwx"));
+        assertThatIllegalArgumentException().isThrownBy(() -> followAnother(open))
+            .withMessageContaining("can be written by everybody");
+    }
+
+    @Test
+    void theFoldersOwnThreadFollowsByItself() throws IOException {
+        drop("wind", "wind.so");
+        laws.start();
+        long deadline = System.nanoTime() + Duration.ofSeconds(30).toNanos();
+        while (loaded().size() < 2 && System.nanoTime() < deadline) {
+            world.run(1);
+        }
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+    }
+
+    @Test
+    void closingDropsWhatNoFrameTook() throws IOException {
+        drop("wind", "wind.so");
+        laws.look();
+        laws.look();
+        assertThat(Files.readString(Path.of("/proc/self/maps"))).contains("wind.so");
+        laws.close();
+        assertThat(Files.readString(Path.of("/proc/self/maps"))).doesNotContain("wind.so");
+    }
+
+    private void followAnother(Path path) {
+        new LawFolder(path, world.engine, world.adapter.laws(), world.commands).close();
+    }
+
+    private Path drop(String law, String name) throws IOException {
+        return Files.copy(NativeFiles.testLaw(law), folder.resolve(name),
+            StandardCopyOption.REPLACE_EXISTING);
+    }
+
+    private void lookAndRun(int times) {
+        for (int i = 0; i < times; i++) {
+            laws.look();
+            world.run(1);
+        }
+    }
+
+    private double speed() {
+        return world.velocity("stone")[0];
+    }
+
+    private List<String> loaded() {
+        return world.adapter.laws().loaded().stream().map(PhysicsLaw::name).toList();
+    }
+}
