@@ -202,9 +202,8 @@ final class ItemReader {
                         + property.doc());
                 continue;
             }
-            List<Node> mentions = given.get().isList() ? List.copyOf(given.get().children())
-                    : List.of(given.get());
-            for (Node mention : mentions) {
+            for (Node mention : property.components() == 1 ? List.of(given.get())
+                    : given.get().children()) {
                 mention.text().filter(target -> !targets.add(target)).ifPresent(twice ->
                         problems.add(mention, mention.label() + ": `" + Node.shorten(twice)
                                 + "` is referred to twice; expected different items"));

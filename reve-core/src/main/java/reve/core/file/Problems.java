@@ -10,15 +10,18 @@ final class Problems {
 
     private final String file;
     private final List<Problem> found = new ArrayList<>();
-    private boolean cutShort;
 
     Problems(String file) {
         this.file = file;
     }
 
-    /** Notes a problem with the value of a node. */
+    /** Notes a problem with the value of a node; of a single value, the first one says enough. */
     void add(Node node, String message) {
-        add(node.line(), node.column(), node.pointer(), message);
+        boolean single = !node.isMapping() && !node.isList();
+        if (!single || found.stream().noneMatch(
+                problem -> problem.pointer().equals(node.pointer()))) {
+            add(node.line(), node.column(), node.pointer(), message);
+        }
     }
 
     /** Notes a problem with the key that a node stands under. */
@@ -27,9 +30,7 @@ final class Problems {
     }
 
     void add(int line, int column, String pointer, String message) {
-        if (full()) {
-            cutShort = true;
-        } else {
+        if (!full()) {
             found.add(new Problem(file, line, column, pointer, message));
         }
     }
@@ -58,10 +59,10 @@ final class Problems {
     private WorldFileException exception() {
         var sorted = new ArrayList<>(found);
         sorted.sort(null);
-        if (cutShort) {
+        if (full()) {
             Problem last = sorted.getLast();
             sorted.add(new Problem(file, last.line(), last.column(), "",
-                    "more than " + MAX_REPORTED + " problems; only these are shown"));
+                    "no more than " + MAX_REPORTED + " problems are shown; there may be others"));
         }
         return new WorldFileException(sorted);
     }

@@ -37,9 +37,10 @@ final class PrototypeReader {
         }
     }
 
-    /** The whole number under the key {@code components}, 1 if there is none. */
+    /** The number under the key {@code components}, else 1; the schema reports wrong ones. */
     static int components(Node owner) {
-        return owner.get("components").flatMap(Node::number).orElse(1.0).intValue();
+        return Math.clamp(owner.get("components").flatMap(Node::number).orElse(1.0).longValue(),
+                1, PropertyDescriptor.MAX_COMPONENTS);
     }
 
     private static WorldPrototype standard(Node root) {

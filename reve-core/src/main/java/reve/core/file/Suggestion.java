@@ -18,7 +18,8 @@ final class Suggestion {
         return known.stream().limit(MAX_CANDIDATES)
                 .filter(name -> Math.abs(name.length() - wrong.length()) <= limit)
                 .map(name -> new Candidate(name, distance(lower(wrong), lower(name))))
-                .filter(candidate -> candidate.distance <= limit)
+                .filter(candidate -> candidate.distance <= limit
+                        && candidate.distance < Math.min(wrong.length(), candidate.name.length()))
                 .min(Comparator.comparingInt(Candidate::distance))
                 .map(candidate -> "; did you mean `" + candidate.name + "`?").orElse("");
     }

@@ -1,0 +1,71 @@
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.catchThrowableOfType;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+import org.junit.jupiter.api.Test;
+import reve.core.world.OffHeapArena;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+/** {@code docs/world-file.md} says what is true. */
+class WorldFileDocumentTest {
+    private static String page() throws IOException {
+        return Files.readString(WorldFileTest.root().resolve("docs/world-file.md"));
+    }
+
+    private static List<String> blocks(String language) throws IOException {
+        Matcher block = Pattern.compile("```" + language + "\n(.*?)```", Pattern.DOTALL)
+                .matcher(page());
+        var blocks = new ArrayList<String>();
+        while (block.find()) {
+            blocks.add(block.group(1));
+        }
+        return blocks;
+    }
+
+    @Test
+    void completeExampleBuildsAWorld() throws Exception {
+        WorldDescription description = WorldFileTest.parse(blocks("yaml").getFirst());
+        try (var arena = new OffHeapArena()) {
+            World world = description.build(arena);
+            assertThat(world.items()).hasSize(5);
+            assertThat(world.find("duck").orElseThrow().physics().scalar("mass"))
+                    .isEqualTo(0.08);
+            assertThat(world.find("string").orElseThrow().physics().scalar("length"))
+                    .isEqualTo(0.4);
+        }
+    }
+
+    @Test
+    void mistakesGiveExactlyTheMessagesShown() throws Exception {
+        byte[] mistakes = blocks("yaml").get(1).getBytes(StandardCharsets.UTF_8);
+
+        var refused = catchThrowableOfType(WorldFileException.class,
+                () -> WorldFile.parse("world.yaml", mistakes));
+
+        assertThat(refused.getMessage()).isEqualTo(blocks("text").getFirst().strip());
+    }
+
+    @Test
+    void tableOfStandardPropertiesIsThePrototype() throws Exception {
+        String page = page();
+        for (PropertyDescriptor property : WorldPrototype.standard("si-f64").properties()) {
+            String row = page.lines().filter(line -> line.startsWith("| `" + property.kind() + "` |"))
+                    .findFirst().orElseThrow();
+            String components = property.components() == 1 ? "" : " ×" + property.components();
+            assertThat(row).contains(property.type() == ScalarType.REF
+                    ? "`" + property.name() + "`"
+                    : "`" + property.name() + "`" + components + " [" + property.unit() + "]");
+        }
+    }
+}

@@ -1,0 +1,333 @@
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+import static org.assertj.core.api.Assertions.within;
+
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.access.Action;
+import reve.core.access.ActionCall;
+import reve.core.access.Arguments;
+import reve.core.access.Parameter;
+import reve.core.frame.Timing;
+import reve.core.unit.Unit;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.OffHeapArena;
+import reve.core.world.ScalarType;
+import reve.core.world.Shape;
+import reve.core.world.World;
+
+/** What right world files mean. */
+class WorldFileTest {
+    static WorldDescription parse(String yaml) throws WorldFileException {
+        return WorldFile.parse("world.yaml", yaml.getBytes(StandardCharsets.UTF_8));
+    }
+
+    static Path root() {
+        return Path.of(Objects.requireNonNull(System.getProperty("reve.root"),
+                "run with -Dreve.root=<folder of the repository>"));
+    }
+
+    private static ItemDefinition onlyItem(String physics) throws WorldFileException {
+        return parse("reve: 1\nname: w\nitems:\n  - {name: a, physics: {" + physics + "}}\n")
+                .items().getFirst();
+    }
+
+    @Test
+    void smallestFileIsAnEmptyWorldWithDefaults() throws WorldFileException {
+        WorldDescription world = parse("reve: 1\nname: nothing\n");
+
+        assertThat(world.name()).isEqualTo("nothing");
+        assertThat(world.prototype().name()).isEqualTo("si-f64");
+        assertThat(world.timing()).isEqualTo(Timing.DEFAULT);
+        assertThat(world.laws()).isEmpty();
+        assertThat(world.items()).isEmpty();
+        assertThat(world.camera()).isEmpty();
+        assertThat(world.agents()).isEqualTo(AgentPolicy.none());
+    }
+
+    @Test
+    void jsonIsValidToo() throws WorldFileException {
+        WorldDescription world = parse("""
+                {
+                \t"reve": 1, "name": "json \\u00e9\\/", "frame": {"rate": 50, "steps": 2},
+                \t"items": [{"name": "a", "physics": {"mass": 2, "velocity": [1, 2.5e0, -3]}}]
+                }""");
+
+        assertThat(world.name()).isEqualTo("json é/");
+        assertThat(world.timing()).isEqualTo(new Timing(50, 2));
+        assertThat(world.items().getFirst().physics("velocity").orElseThrow())
+                .containsExactly(1, 2.5, -3);
+    }
+
+    @Test
+    void minifiedJsonOnOneLongLineIsRead() throws WorldFileException {
+        var json = new StringBuilder("{\"reve\":1,\"name\":\"j\",\"items\":[");
+        for (int i = 0; i < 5000; i++) {
+            json.append(i == 0 ? "" : ",").append("{\"name\":\"i").append(i).append("\"}");
+        }
+        assertThat(parse(json + "]}").items()).hasSize(5000);
+    }
+
+    @Test
+    void numbersAreConvertedOnceToTheUnitOfTheProperty() throws WorldFileException {
+        assertThat(number(onlyItem("mass: 3"), "mass")).isEqualTo(3);
+        assertThat(number(onlyItem("mass: 3 kg"), "mass")).isEqualTo(3);
+        assertThat(number(onlyItem("mass: 500 g"), "mass")).isEqualTo(0.5);
+        assertThat(number(onlyItem("mass: 2 t"), "mass")).isEqualTo(2000);
+        assertThat(number(onlyItem("mass: \"7\""), "mass")).isEqualTo(7);
+        assertThat(number(onlyItem("mass: +.5e1 kg"), "mass")).isEqualTo(5);
+        assertThat(number(onlyItem("mass: [4]"), "mass")).isEqualTo(4);
+        assertThat(number(onlyItem("mass: 0x10"), "mass")).isEqualTo(16);
+        assertThat(number(onlyItem("mass: 12345678901234567890123"), "mass"))
+                .isEqualTo(12345678901234567890123.0);
+    }
+
+    @Test
+    void vectorsAreListsOrTextsWithOneUnitBehindThem() throws WorldFileException {
+        for (String written : List.of("[0, 3.6, -36]", "0 3.6 -36", "0 3.6 -36 m/s",
+                "\"[0, 3.6, -36] m/s\"", "\"0, 3.6, -36 m/s\"", "0 12.96 -129.6 km/h",
+                "\"[0 12.96 -129.6] km/h\"")) {
+            assertThat(onlyItem("velocity: " + written).physics("velocity").orElseThrow())
+                    .as(written).containsExactly(new double[] {0, 3.6, -36}, within(1e-14));
+        }
+    }
+
+    @Test
+    void anglesAreNumbersAndDegreesFitWhereTheUnitIsOne() throws WorldFileException {
+        ItemDefinition item = parse("""
+                reve: 1
+                name: w
+                items:
+                  - name: a
+                    physical: {orientation: {axis: [0, 0, 2], angle: 90 deg}}
+                    physics: {angularVelocity: 0 0 180 deg/s}
+                """).items().getFirst();
+
+        double half = Math.sqrt(0.5);
+        assertThat(item.orientation()).containsExactly(new double[] {0, 0, half, half},
+                within(1e-15));
+        assertThat(item.physics("angularVelocity").orElseThrow())
+                .containsExactly(new double[] {0, 0, Math.PI}, within(1e-15));
+    }
+
+    @Test
+    void lawParametersBecomeSi() throws WorldFileException {
+        assertThat(parse("""
+                reve: 1
+                name: w
+                laws:
+                  - newton_motion
+                  - name: drag
+                    parameters: {density: 1.2 g/l, wind: 36 km/h, factor: 3, turn: 180 deg}
+                """).laws()).containsExactly(
+                new LawReference("newton_motion", Map.of()),
+                new LawReference("drag", Map.of("density", 1.2, "wind", 10.0, "factor", 3.0,
+                        "turn", Math.PI)));
+    }
+
+    @Test
+    void designersPropertiesExtendThePrototype() throws WorldFileException {
+        WorldDescription world = parse("""
+                reve: 1
+                name: w
+                prototype: si-f32
+                properties:
+                  - {name: temperature, kind: body, unit: K, doc: Of all of it.}
+                  - {name: lit, kind: lamp, type: u32}
+                  - {name: travelled, kind: body, type: real, components: 2, unit: km}
+                items:
+                  - {name: a, physics: {temperature: 300, travelled: 500 1500 m}}
+                  - {name: b, kind: lamp, physics: {lit: 4294967295}}
+                """);
+
+        var temperature = world.prototype().find("body", "temperature").orElseThrow();
+        assertThat(temperature.type()).isEqualTo(ScalarType.F32);
+        assertThat(temperature.unit()).isEqualTo(Unit.parse("K"));
+        assertThat(temperature.doc()).isEqualTo("Of all of it.");
+        assertThat(world.items().get(0).physics("travelled").orElseThrow())
+                .containsExactly(0.5, 1.5);
+        assertThat(number(world.items().get(1), "lit")).isEqualTo(4294967295.0);
+    }
+
+    @Test
+    void shapesAreReadInMetres() throws WorldFileException {
+        List<ItemDefinition> items = parse("""
+                reve: 1
+                name: w
+                items:
+                  - {name: s, physical: {shape: sphere, radius: 25 cm}}
+                  - {name: b, physical: {shape: box, size: 1 2 3 dm}}
+                  - {name: p, physical: {shape: plane, size: [5, 6]}}
+                  - name: m
+                    physical:
+                      shape: mesh
+                      vertices: [[0, 0, 0], [1, 0, 0], 0 100 0 cm]
+                      triangles: [[0, 1, 2]]
+                  - {name: n, physical: {location: [1, 2, 3]}}
+                """).items();
+
+        assertThat(items.get(0).shape()).isEqualTo(Shape.sphere(0.25));
+        assertThat(items.get(1).shape()).isEqualTo(Shape.box(0.1, 0.2, 3 * 0.1));
+        assertThat(items.get(2).shape()).isEqualTo(Shape.plane(5, 6));
+        assertThat(items.get(3).shape().size(0)).isEqualTo(1);
+        assertThat(items.get(3).shape().size(1)).isEqualTo(1);
+        assertThat(items.get(4).shape()).isEqualTo(Shape.none());
+        assertThat(items.get(4).location()).containsExactly(1, 2, 3);
+    }
+
+    @Test
+    void itemsMayReferToItemsThatComeLater() throws WorldFileException {
+        WorldDescription description = parse("""
+                reve: 1
+                name: w
+                items:
+                  - {name: s, kind: spring, physics: {end1: a, end2: b}}
+                  - {name: f, kind: surface, physics: {vertices: [c, a, b]}}
+                  - {name: a, physics: {mass: 1}}
+                  - {name: b, physics: {mass: 1}}
+                  - {name: c, physics: {mass: 0}}
+                """);
+        try (var arena = new OffHeapArena()) {
+            World world = description.build(arena);
+            Item spring = world.find("s").orElseThrow();
+            assertThat(world.item(spring.physics().reference("end2")).name()).isEqualTo("b");
+            assertThat(world.find("f").orElseThrow().physics().references("vertices"))
+                    .extracting(id -> world.item(id).name()).containsExactly("c", "a", "b");
+        }
+    }
+
+    @Test
+    void oneDescriptionBuildsAnyNumberOfEqualWorlds() throws WorldFileException {
+        WorldDescription description = parse("""
+                reve: 1
+                name: w
+                constants: {gravity: [0, -9.81, 0]}
+                items: [{name: a, physics: {mass: 2}}, {name: b}]
+                """);
+        try (var arena = new OffHeapArena()) {
+            for (World world : List.of(description.build(arena), description.build(arena))) {
+                assertThat(world.find("world").orElseThrow().physics().vector("gravity"))
+                        .containsExactly(0, -9.81, 0);
+                assertThat(world.items()).extracting(Item::name)
+                        .containsExactly("world", "a", "b");
+                assertThat(world.find("b").orElseThrow().physics().isEmpty()).isTrue();
+            }
+        }
+    }
+
+    @Test
+    void agentsGetTheBodiesAndTheTemplateOfTheFile() throws WorldFileException {
+        AgentPolicy agents = parse("""
+                reve: 1
+                name: w
+                agents:
+                  bodies: [b, a]
+                  body: {physical: {shape: sphere, radius: 1}, semantic: {class: guest}}
+                items: [{name: a}, {name: b}]
+                """).agents();
+
+        assertThat(agents.bodies()).containsExactly("b", "a");
+        ItemDefinition guest = agents.template().orElseThrow().renamed("ada");
+        assertThat(guest.shape()).isEqualTo(Shape.sphere(1));
+        assertThat(guest.hasPhysics()).isFalse();
+        assertThat(guest.symbols()).containsEntry("class", "guest");
+    }
+
+    @Test
+    void declaredActionsWorkOnTheBuiltWorld() throws Exception {
+        WorldDescription description = parse("""
+                reve: 1
+                name: w
+                items:
+                  - name: a
+                    physics: {mass: 2}
+                    access:
+                      kick:
+                        doc: A kick.
+                        parameters:
+                          by: {components: 3, unit: kN*s, doc: In the world's axes.}
+                          why: {type: text}
+                        effects:
+                          - impulse: $by
+                          - {set: physics.charge, to: 3 mC}
+                          - {set: physical.colour, to: "#112233"}
+                          - {symbol: reason, to: $why}
+                          - {symbol: kicked, to: true}
+                          - raise: kicked
+                """);
+        try (var arena = new OffHeapArena()) {
+            World world = description.build(arena);
+            Item item = world.find("a").orElseThrow();
+            Action kick = item.access().find("kick").orElseThrow();
+            assertThat(kick.doc()).isEqualTo("A kick.");
+            assertThat(kick.parameters()).containsExactly(
+                    Parameter.number("by", 3, Unit.parse("kN*s"), "In the world's axes."),
+                    Parameter.text("why", ""));
+
+            kick.perform(new ActionCall(world, 1, item, Optional.empty(), Arguments.check(kick,
+                    Map.of("by", List.of(0.001, 0.002, 0), "why", "fun"))));
+
+            assertThat(item.physics().vector("velocity")).containsExactly(0.5, 1, 0);
+            assertThat(item.physics().scalar("charge")).isEqualTo(0.003);
+            assertThat(item.physical().colour()).hasToString("#112233ff");
+            assertThat(item.semantic().symbols()).containsEntry("reason", "fun")
+                    .containsEntry("kicked", true);
+            assertThat(world.events()).hasSize(1);
+        }
+    }
+
+    @Test
+    void plainWordsOfOldYamlAreTexts() throws WorldFileException {
+        assertThat(parse("reve: 1\nname: no\nitems: [{name: yes, semantic: {a: on, b: 1:30}}]")
+                .items().getFirst().symbols()).containsEntry("a", "on").containsEntry("b", "1:30");
+    }
+
+    @Test
+    void loadReadsAFileAndNamesItInProblems(@TempDir Path folder) throws Exception {
+        Path good = Files.writeString(folder.resolve("good.yaml"), "\uFEFFreve: 1\nname: é\n");
+        Path bad = Files.writeString(folder.resolve("bad.yaml"), "reve: 2\nname: x\n");
+
+        assertThat(WorldFile.load(good).name()).isEqualTo("é");
+        assertThatThrownBy(() -> WorldFile.load(bad)).isInstanceOf(WorldFileException.class)
+                .hasMessage(bad + ":1:7: reve: found number 2, expected 1, the format version "
+                        + "that is read here");
+    }
+
+    @Test
+    void springOrbitIsThePapersFigureTen() throws Exception {
+        WorldDescription world = WorldFile.load(root().resolve("worlds/spring-orbit/world.yaml"));
+
+        assertThat(world.prototype().name()).isEqualTo("si-f64");
+        assertThat(world.timing().dtSeconds()).isEqualTo(1.0 / 240);
+        assertThat(world.laws()).extracting(LawReference::name)
+                .containsExactly("hooke_spring", "newton_motion");
+        Map<String, ItemDefinition> items = world.items().stream()
+                .collect(java.util.stream.Collectors.toMap(ItemDefinition::name, item -> item));
+        assertThat(items.get("red").location()).containsExactly(-10, 5, 0);
+        assertThat(items.get("red").physics("velocity").orElseThrow()).containsExactly(0, 3, 0);
+        assertThat(number(items.get("red"), "mass")).isEqualTo(1000);
+        assertThat(items.get("blue").location()).containsExactly(10, 5, 0);
+        assertThat(items.get("blue").physics("velocity").orElseThrow()).containsExactly(0, 0, 0);
+        assertThat(number(items.get("blue"), "mass")).isEqualTo(1);
+        assertThat(number(items.get("spring"), "springConstant")).isEqualTo(100);
+        assertThat(number(items.get("spring"), "length")).isEqualTo(20);
+        assertThat(items.get("blue").actions()).extracting(Action::name).containsExactly("push");
+        assertThat(world.agents().template().orElseThrow().hasPhysics()).isFalse();
+    }
+
+    private static double number(ItemDefinition item, String property) {
+        double[] values = item.physics(property).orElseThrow();
+        assertThat(values).hasSize(1);
+        return values[0];
+    }
+}

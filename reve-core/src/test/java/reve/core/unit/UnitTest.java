@@ -1,0 +1,160 @@
+package reve.core.unit;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+import static org.assertj.core.api.Assertions.within;
+
+import java.util.Locale;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+
+/** What texts mean as units. Exponents are in the order m kg s A K mol cd. */
+class UnitTest {
+    @ParameterizedTest(name = "{0} is {2} * m kg s A K mol cd ^ {1}")
+    @CsvSource(delimiter = '|', textBlock = """
+            1            |  0  0  0  0  0  0  0 | 1
+            m            |  1  0  0  0  0  0  0 | 1
+            kg           |  0  1  0  0  0  0  0 | 1
+            s            |  0  0  1  0  0  0  0 | 1
+            A            |  0  0  0  1  0  0  0 | 1
+            K            |  0  0  0  0  1  0  0 | 1
+            mol          |  0  0  0  0  0  1  0 | 1
+            cd           |  0  0  0  0  0  0  1 | 1
+            g            |  0  1  0  0  0  0  0 | 1e-3
+            t            |  0  1  0  0  0  0  0 | 1e3
+            mg           |  0  1  0  0  0  0  0 | 1e-6
+            cm           |  1  0  0  0  0  0  0 | 1e-2
+            km           |  1  0  0  0  0  0  0 | 1e3
+            µm           |  1  0  0  0  0  0  0 | 1e-6
+            min          |  0  0  1  0  0  0  0 | 60
+            h            |  0  0  1  0  0  0  0 | 3600
+            d            |  0  0  1  0  0  0  0 | 86400
+            l            |  3  0  0  0  0  0  0 | 1e-3
+            Hz           |  0  0 -1  0  0  0  0 | 1
+            N            |  1  1 -2  0  0  0  0 | 1
+            kN           |  1  1 -2  0  0  0  0 | 1e3
+            mN           |  1  1 -2  0  0  0  0 | 1e-3
+            J            |  2  1 -2  0  0  0  0 | 1
+            W            |  2  1 -3  0  0  0  0 | 1
+            Pa           | -1  1 -2  0  0  0  0 | 1
+            C            |  0  0  1  1  0  0  0 | 1
+            V            |  2  1 -3 -1  0  0  0 | 1
+            Ω            |  2  1 -3 -2  0  0  0 | 1
+            ohm          |  2  1 -3 -2  0  0  0 | 1
+            T            |  0  1 -2 -1  0  0  0 | 1
+            rad          |  0  0  0  0  0  0  0 | 1
+            deg          |  0  0  0  0  0  0  0 | 0.017453292519943295
+            °            |  0  0  0  0  0  0  0 | 0.017453292519943295
+            %            |  0  0  0  0  0  0  0 | 1e-2
+            m/s          |  1  0 -1  0  0  0  0 | 1
+            km/h         |  1  0 -1  0  0  0  0 | 0.2777777777777778
+            m/s^2        |  1  0 -2  0  0  0  0 | 1
+            m/s²         |  1  0 -2  0  0  0  0 | 1
+            m/s/s        |  1  0 -2  0  0  0  0 | 1
+            m/(s*s)      |  1  0 -2  0  0  0  0 | 1
+            m/s*s        |  1  0  0  0  0  0  0 | 1
+            s^-1         |  0  0 -1  0  0  0  0 | 1
+            1/s          |  0  0 -1  0  0  0  0 | 1
+            rad/s        |  0  0 -1  0  0  0  0 | 1
+            deg/s        |  0  0 -1  0  0  0  0 | 0.017453292519943295
+            N·s          |  1  1 -1  0  0  0  0 | 1
+            N*s          |  1  1 -1  0  0  0  0 | 1
+            N*s/m        |  0  1 -1  0  0  0  0 | 1
+            N/m          |  0  1 -2  0  0  0  0 | 1
+            kg/m         | -1  1  0  0  0  0  0 | 1
+            kg*m^2       |  2  1  0  0  0  0  0 | 1
+            kg*m^2/s^2   |  2  1 -2  0  0  0  0 | 1
+            g/cm^3       | -3  1  0  0  0  0  0 | 1e3
+            m^3/(kg*s^2) |  3 -1 -2  0  0  0  0 | 1
+            m^3/kg/s^2   |  3 -1 -2  0  0  0  0 | 1
+            """)
+    void parsesDimensionAndScale(String text, String exponents, double scale) {
+        Unit unit = Unit.parse(text);
+
+        String[] expected = exponents.strip().split(" +");
+        for (SiBase base : SiBase.values()) {
+            assertThat(unit.exponent(base)).as("exponent of %s", base.symbol())
+                    .isEqualTo(Integer.parseInt(expected[base.ordinal()]));
+        }
+        assertThat(unit.scale()).isCloseTo(scale, within(4 * Math.ulp(scale)));
+        assertThat(unit.symbol()).isEqualTo(text);
+    }
+
+    @ParameterizedTest(name = "{0}: {1}")
+    @CsvSource(delimiter = '|', textBlock = """
+            ''       | it is empty
+            foo      | `foo` is not a unit that is known here
+            m/foo    | `foo` is not a unit that is known here
+            degC     | `degC` is not a unit that is known here
+            °C       | not a plain multiple of SI units (for temperatures use K)
+            °C/m     | not a plain multiple of SI units
+            ln(m)    | not a plain multiple of SI units
+            ((m      | not well formed
+            m*       | not well formed
+            /s       | not well formed
+            1//s     | not well formed
+            m^       | not well formed
+            m^^2     | not well formed
+            kg m     | only names
+            m^0.5    | only names
+            m+1      | only names
+            m2       | the number 2 is no exponent
+            m^1/2    | the number 2 is no exponent
+            2*m      | the number 2 is no exponent
+            m**2     | the number 2 is no exponent
+            m^200    | out of range
+            """)
+    void refusesWithTheTextAndTheReason(String text, String reason) {
+        assertThatThrownBy(() -> Unit.parse(text)).isInstanceOf(IllegalArgumentException.class)
+                .hasMessageContaining("`" + text + "`").hasMessageContaining(reason);
+    }
+
+    @Test
+    void refusesHostileLengthAndNesting() {
+        assertThatThrownBy(() -> Unit.parse("(".repeat(1_000_000)))
+                .isInstanceOf(IllegalArgumentException.class)
+                .hasMessageContaining("longer than 64 characters");
+    }
+
+    @Test
+    void sameTextMeansTheSameInAnyLanguage() {
+        Locale before = Locale.getDefault();
+        try {
+            Locale.setDefault(Locale.forLanguageTag("ru"));
+            assertThat(Unit.parse("kN*s")).isEqualTo(Unit.parse("kN·s"));
+        } finally {
+            Locale.setDefault(before);
+        }
+    }
+
+    @Test
+    void convertsBetweenUnitsOfOneDimensionOnly() {
+        Unit kmh = Unit.parse("km/h");
+        Unit ms = Unit.parse("m/s");
+
+        assertThat(kmh.toSi(36)).isCloseTo(10, within(1e-14));
+        assertThat(kmh.convert(36, ms)).isCloseTo(10, within(1e-14));
+        assertThat(ms.convert(10, kmh)).isCloseTo(36, within(1e-13));
+        assertThat(kmh.convert(0.1, kmh)).isEqualTo(0.1);
+        assertThat(kmh.sameDimension(ms)).isTrue();
+        assertThatThrownBy(() -> kmh.convert(1, Unit.parse("kg")))
+                .isInstanceOf(IllegalArgumentException.class)
+                .hasMessage("unit km/h does not fit kg");
+    }
+
+    @Test
+    void unitsAreEqualByWhatTheyMean() {
+        assertThat(Unit.parse("N")).isEqualTo(Unit.parse("kg*m/s^2"))
+                .hasSameHashCodeAs(Unit.parse("kg*m/s^2"));
+        assertThat(Unit.parse("km")).isNotEqualTo(Unit.parse("m"));
+        assertThat(Unit.parse("rad")).isEqualTo(Unit.ONE);
+    }
+
+    @Test
+    void exponentsCannotBeChangedFromOutside() {
+        Unit unit = Unit.parse("m");
+        unit.exponents()[0] = 7;
+        assertThat(unit.exponent(SiBase.METRE)).isEqualTo(1);
+    }
+}
