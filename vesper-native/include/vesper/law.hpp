@@ -344,6 +344,13 @@ auto ParametersOf(Law& law) {
   }
 }
 
+/** True if one of the columns in what Properties() returns is an Accumulate. */
+template <class Properties>
+inline constexpr bool kAccumulates = false;
+template <class... Columns>
+inline constexpr bool kAccumulates<std::tuple<Columns&...>> =
+    ((Columns::kAccess == VESPER_ACCUMULATE) || ...);
+
 /** A law as the engine drives it: the C callbacks and the declarations in C form. */
 template <class Law>
 class Instance {
@@ -426,12 +433,7 @@ class Instance {
    private:
     using Properties = decltype(std::declval<Law&>().Properties());
 
-    template <class... Columns>
-    static constexpr bool Accumulates(std::tuple<Columns&...>*) {
-      return ((Columns::kAccess == VESPER_ACCUMULATE) || ...);
-    }
-    static_assert(Law::kPhase == Phase::kForce ||
-                      !Accumulates(static_cast<Properties*>(nullptr)),
+    static_assert(Law::kPhase == Phase::kForce || !kAccumulates<Properties>,
                   "only a law of phase kForce may have Accumulate members");
 
     static constexpr uint32_t Stages() {
