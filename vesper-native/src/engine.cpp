@@ -43,6 +43,11 @@ vesper_engine::vesper_engine(const vesper::Config& config, const vesper_prototyp
   schedule_.Plan(libraries_);
 }
 
+vesper_engine::~vesper_engine() {
+  busy_ = true;  // for what laws log on their way out
+  while (!libraries_.empty()) libraries_.pop_back();
+}
+
 void vesper_engine::AddProperty(const char* name, const vesper::Arrays& arrays) {
   const Turn turn(*this);
   const uint32_t property = prototype_.Require(name);
@@ -147,9 +152,14 @@ void vesper_engine::MatchLaws(const vesper_law_library& table, vesper::LawLibrar
   const vesper::StructArray laws(table.laws, table.law_count, "laws");
   for (uint32_t i = 0; i < laws.size(); ++i) {
     if (laws[i].real_type != 0 && laws[i].real_type != prototype_.real_type()) continue;
-    added.laws().push_back(std::make_unique<vesper::LoadedLaw>(
-        laws[i], static_cast<uint32_t>(added.laws().size()),
-        vesper::MatchUses(laws[i], prototype_, columns_), config_.validate));
+    const auto index = static_cast<uint32_t>(added.laws().size());
+    try {
+      added.laws().push_back(std::make_unique<vesper::LoadedLaw>(
+          laws[i], index, vesper::MatchUses(laws[i], prototype_, columns_), config_.validate));
+    } catch (Failure& failure) {
+      failure.Law(index);
+      throw;
+    }
   }
   if (!added.laws().empty()) return;
   throw Failure(VESPER_TYPE_MISMATCH, "library %s has no law for %s, which prototype %s asks for",

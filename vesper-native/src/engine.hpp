@@ -21,6 +21,8 @@ struct vesper_provider {
 struct vesper_engine {
  public:
   vesper_engine(const vesper::Config& config, const vesper_prototype& prototype);
+  /// Unloads all libraries, the last one first.
+  ~vesper_engine();
 
   vesper_provider& provider() { return provider_; }
   bool busy() const { return busy_.load(std::memory_order_acquire); }

@@ -45,19 +45,26 @@ std::string Search(const std::string& law_path, const std::string& name) {
   throw Failure(VESPER_NOT_FOUND, "no %s in the law path '%s'", file.c_str(), law_path.c_str());
 }
 
+/// The end of a long path: a message has to have room for what is wrong with the file.
+std::string ShortPath(const std::string& path) {
+  constexpr size_t kLength = 80;
+  return path.size() <= kLength ? path : "..." + path.substr(path.size() - kLength);
+}
+
 /// Non-blocking, so that a FIFO cannot hold the caller up.
-Descriptor OpenRegularFile(const std::string& path, struct stat& status) {
+Descriptor OpenRegularFile(const std::string& path, const std::string& source,
+                           struct stat& status) {
   const int fd = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (fd < 0 && errno == ENOENT) {
-    throw Failure(VESPER_NOT_FOUND, "%s: no such file", path.c_str());
+    throw Failure(VESPER_NOT_FOUND, "%s: no such file", source.c_str());
   }
-  if (fd < 0) throw LoadFailure(path, std::strerror(errno));
+  if (fd < 0) throw LoadFailure(source, std::strerror(errno));
   Descriptor file(fd, "open");
-  if (fstat(fd, &status) != 0) throw LoadFailure(path, std::strerror(errno));
-  if (!S_ISREG(status.st_mode)) throw LoadFailure(path, "not a regular file");
+  if (fstat(fd, &status) != 0) throw LoadFailure(source, std::strerror(errno));
+  if (!S_ISREG(status.st_mode)) throw LoadFailure(source, "not a regular file");
   if (static_cast<uint64_t>(status.st_size) > kMaxLibrarySize) {
     throw Failure(VESPER_LIBRARY_LOAD_FAILED,
-                  "%s: has %" PRId64 " bytes, a law library has at most %" PRIu64, path.c_str(),
+                  "%s: has %" PRId64 " bytes, a law library has at most %" PRIu64, source.c_str(),
                   static_cast<int64_t>(status.st_size), kMaxLibrarySize);
   }
   return file;
@@ -69,21 +76,21 @@ bool SameVersion(const struct stat& a, const struct stat& b) {
 }
 
 /// The whole file, refused if it changes while it is read.
-std::vector<std::byte> ReadStable(const std::string& path) {
+std::vector<std::byte> ReadStable(const std::string& path, const std::string& source) {
   struct stat before{};
-  const Descriptor file = OpenRegularFile(path, before);
+  const Descriptor file = OpenRegularFile(path, source, before);
   std::vector<std::byte> bytes(static_cast<size_t>(before.st_size));
   size_t done = 0;
   while (done < bytes.size()) {
     const ssize_t size = read(file.get(), bytes.data() + done, bytes.size() - done);
     if (size < 0 && errno == EINTR) continue;
-    if (size < 0) throw LoadFailure(path, std::strerror(errno));
+    if (size < 0) throw LoadFailure(source, std::strerror(errno));
     if (size == 0) break;
     done += static_cast<size_t>(size);
   }
   struct stat after{};
   if (done != bytes.size() || fstat(file.get(), &after) != 0 || !SameVersion(before, after)) {
-    throw LoadFailure(path, "the file changed while it was read; load it again when it is complete");
+    throw LoadFailure(source, "the file changed while it was read; load it again when it is complete");
   }
   return bytes;
 }
@@ -116,12 +123,14 @@ std::string LoaderMessage(const std::string& private_path) {
 
 }  // namespace
 
-SealedCopy::SealedCopy(const Config& config, const std::string& library)
-    : source_(library.find('/') != std::string::npos ? library : Search(config.law_path, library)) {
-  const std::vector<std::byte> bytes = ReadStable(source_);
+SealedCopy::SealedCopy(const Config& config, const std::string& library) {
+  const bool is_path = library.find('/') != std::string::npos;
+  const std::string file = is_path ? library : Search(config.law_path, library);
+  source_ = ShortPath(file);
+  const std::vector<std::byte> bytes = ReadStable(file, source_);
   CheckSharedObject(bytes, source_);
   memory_ = Descriptor(
-      memfd_create(ContentName(source_, bytes).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING),
+      memfd_create(ContentName(file, bytes).c_str(), MFD_CLOEXEC | MFD_ALLOW_SEALING),
       "memory for the copy of a law library");
   WriteAll(memory_.get(), bytes);
   const int seals = F_SEAL_SEAL | F_SEAL_SHRINK | F_SEAL_GROW | F_SEAL_WRITE;

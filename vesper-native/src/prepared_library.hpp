@@ -19,7 +19,7 @@ class SealedCopy {
   int fd() const { return memory_.get(); }
   /// Under this name the loader finds the copy. No two copies that live share it.
   const std::string& path() const { return path_; }
-  /// The file it was copied from.
+  /// The file it was copied from, for messages.
   const std::string& source() const { return source_; }
   /// Leaves the copy to the process, as long as the loader still holds on to its name.
   void Abandon() { memory_.Release(); }

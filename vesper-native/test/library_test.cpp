@@ -78,6 +78,14 @@ TEST(LibraryTest, OtherFilesAreRefused) {
   EXPECT_REFUSED(LIBRARY_LOAD_FAILED, "at most 67108864", Prepare(text));
 }
 
+TEST(LibraryTest, ReasonSurvivesALongPath) {
+  TemporaryFolder folder;
+  const std::string deep = folder / std::string(200, 'd');
+  std::filesystem::create_directory(deep);
+  WriteFile(deep + "/law.so", {'h', 'e', 'l', 'l', 'o'});
+  EXPECT_REFUSED(LIBRARY_LOAD_FAILED, "/law.so: not an ELF file", Prepare(deep + "/law.so"));
+}
+
 TEST(LibraryTest, SymbolicLinksAreFollowed) {
   TemporaryFolder folder;
   std::filesystem::create_symlink(TestLawPath("push"), folder / "link.so");

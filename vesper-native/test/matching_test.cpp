@@ -19,6 +19,7 @@ TEST_F(MatchingTest, UnknownPropertySuggestsTheNearest) {
   EXPECT_REFUSED(NOT_FOUND, "law asking: prototype si-f64 has no property 'positon'", error);
   EXPECT_REFUSED(NOT_FOUND, "did you mean 'position'?", error);
   EXPECT_STREQ(error.property, "positon");
+  EXPECT_EQ(error.law_index, 0u);
 }
 
 TEST_F(MatchingTest, MismatchesNameBothSides) {
