@@ -64,7 +64,7 @@ public final class CheckCommand implements Callable<Integer> {
         try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
             if (!json) {
                 out.printf("%s: valid, %d items, %d laws%n", world.file(),
-                        description.items().size(), simulation.physics().engine().laws().size());
+                        description.items().size(), simulation.physics().laws().loaded().size());
             }
             return ExitCode.OK;
         } catch (PhysicsException refused) {

@@ -40,7 +40,7 @@ public final class RunCommand implements Callable<Integer> {
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing);
-                Interrupt interrupt = new Interrupt(simulation.loop()::stop)) {
+                Interrupt _ = new Interrupt(simulation.loop()::stop)) {
             RunReport report = run(simulation, frames);
             if (json) {
                 Json.print(spec, report.fields());

@@ -64,15 +64,19 @@ public final class ServeCommand implements Callable<Integer> {
         for (double time : snapshotAt) {
             pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
         }
-        try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json);
-                WorldServer server = new WorldServer(description, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                        AgentServerConfig.onPort(port), laws, new Pictures(snapshots, pictureFrames), events);
-                Interrupt interrupt = new Interrupt(server::stop)) {
-            server.start();
-            ServerReport report = server.run(frames);
-            server.close();
-            events.end(report);
-            return ExitCode.OK;
+        Pictures pictures = new Pictures(snapshots, pictureFrames);
+        try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json)) {
+            WorldServer server = new WorldServer(description, fast ? Pacing.FAST : Pacing.REAL_TIME,
+                    AgentServerConfig.onPort(port), laws, pictures, events);
+            try (Interrupt _ = new Interrupt(server::stop)) {
+                ServerReport report;
+                try (server) {
+                    server.start();
+                    report = server.run(frames);
+                }
+                events.end(report);
+            }
         }
+        return ExitCode.OK;
     }
 }

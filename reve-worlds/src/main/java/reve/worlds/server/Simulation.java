@@ -48,7 +48,8 @@ public final class Simulation implements AutoCloseable {
     public Simulation(WorldDescription description, Pacing pacing) {
         this.description = description;
         world = description.build(arena);
-        engine = new VesperEngine(VesperConfig.of(List.of(lawPath())), PropertyNames.prototype(world.prototype()));
+        engine = new VesperEngine(VesperConfig.of(List.of(lawPath())), PropertyNames.prototype(
+                world.prototype(), VesperEngine.standardPrototype(world.prototype().name())));
         physics = new PhysicsAdapter(world, engine, arena);
         snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
         loop = new FrameLoop(world, bus, description.timing(), pacing);

@@ -1,0 +1,40 @@
+package reve.worlds.cli;
+
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.concurrent.Callable;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.Spec;
+import reve.worlds.demo.Demo;
+import reve.worlds.demo.DemoReport;
+
+/** Shows the main job: server, agents, a law dropped into the running world, pictures. */
+@Command(
+        name = "demo",
+        description = "Shows the main job: a server, two agents, a law dropped into the running world, pictures.")
+public final class DemoCommand implements Callable<Integer> {
+    @Spec
+    private CommandSpec spec = CommandSpec.create();
+
+    @Option(names = "--out", paramLabel = "DIR", description = "Folder for pictures and logs (default: build/demo).")
+    private Path out = Path.of(System.getProperty("reve.root", "."), "build", "demo");
+
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws Exception {
+        Path root = Path.of(System.getProperty("reve.root", ".")).toAbsolutePath().normalize();
+        DemoReport report = new Demo(root, out, System.err).run();
+        if (json) {
+            Json.print(spec, report.fields());
+        } else {
+            PrintWriter printer = spec.commandLine().getOut();
+            report.print(printer);
+            printer.flush();
+        }
+        return ExitCode.OK;
+    }
+}

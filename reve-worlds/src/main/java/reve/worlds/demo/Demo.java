@@ -1,0 +1,103 @@
+package reve.worlds.demo;
+
+import java.io.IOException;
+import java.io.PrintStream;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import tools.jackson.databind.JsonNode;
+
+/**
+ * Runs the product as its users do: a headless server on {@code worlds/spring-orbit}, a Python and a
+ * Java agent over TCP, a law library dropped into the laws folder and taken out again while the world
+ * runs, pictures before and after. Each of the three is a process of its own.
+ */
+public final class Demo {
+    private static final String LAW = "gravity_field";
+    /** World times of the two pictures [s]; between them the law is dropped. */
+    private static final String PICTURES_AT = "2,5";
+    /** How long the server runs, and how long the agents stay [s of world time]. */
+    private static final String SERVER_SECONDS = "8";
+    private static final String AGENT_SECONDS = "5";
+    private static final long PATIENCE_SECONDS = 60;
+
+    private final Path root;
+    private final Path folder;
+    private final PrintStream progress;
+
+    /**
+     * @param root of the checkout
+     * @param folder for pictures and log files; made if missing
+     * @param progress hears what is going on
+     */
+    public Demo(Path root, Path folder, PrintStream progress) {
+        this.root = root;
+        this.folder = folder.toAbsolutePath().normalize();
+        this.progress = progress;
+    }
+
+    /** Runs everything, which takes about ten seconds, and says what happened. */
+    public DemoReport run() throws IOException, InterruptedException {
+        Path laws = Files.createDirectories(folder.resolve("laws"));
+        Path library = root.resolve("build/native/laws/libvesper_law_" + LAW + ".so");
+        Path dropped = laws.resolve(library.getFileName());
+        Files.deleteIfExists(dropped);
+        try (JsonProcess server = startServer(laws)) {
+            String port = server.await("ready", line -> true).get("agentPort").asString();
+            progress.println("server ready on port " + port + "; starting a Python and a Java agent");
+            try (JsonProcess curious = startPythonAgent(port); JsonProcess painter = startJavaAgent(port)) {
+                JsonNode before = server.await("snapshot", line -> true);
+                progress.println("first picture taken; dropping " + library.getFileName() + " into " + laws);
+                Files.copy(library, dropped);
+                JsonNode loaded = server.await("law-loaded", Demo::isDroppedLaw);
+                progress.println("the law acts since frame " + loaded.get("frame") + "; waiting for the second picture");
+                JsonNode after = server.await("snapshot", line -> !line.equals(before));
+                Files.delete(dropped);
+                JsonNode unloaded = server.await("law-unloaded", Demo::isDroppedLaw);
+                progress.println("law taken out again at frame " + unloaded.get("frame"));
+                JsonNode curiousSummary = curious.awaitEnd(PATIENCE_SECONDS);
+                JsonNode painterSummary = painter.awaitEnd(PATIENCE_SECONDS);
+                return new DemoReport(server.awaitEnd(PATIENCE_SECONDS), loaded, unloaded, before, after,
+                        curiousSummary, painterSummary);
+            }
+        }
+    }
+
+    private static boolean isDroppedLaw(JsonNode line) {
+        return line.path("library").asString("").equals(LAW);
+    }
+
+    private JsonProcess startServer(Path laws) throws IOException {
+        List<String> command = java("-Dreve.native.path=" + root.resolve("build/native"), "-Dreve.root=" + root,
+                "reve.worlds.Main", "serve", root.resolve("worlds/spring-orbit").toString(), "--port", "0",
+                "--laws", laws.toString(), "--snapshots", folder.toString(), "--snapshot-at", PICTURES_AT,
+                "--seconds", SERVER_SECONDS, "--json");
+        return new JsonProcess("server", command, Map.of(), folder.resolve("server.log"));
+    }
+
+    private JsonProcess startPythonAgent(String port) throws IOException {
+        Path python = root.resolve("agents/python");
+        List<String> command = List.of("python3", python.resolve("examples/curious.py").toString(),
+                "--port", port, "--name", "curious", "--seconds", AGENT_SECONDS);
+        return new JsonProcess("Python agent", command, Map.of("PYTHONPATH", python.toString()),
+                folder.resolve("curious.log"));
+    }
+
+    private JsonProcess startJavaAgent(String port) throws IOException {
+        List<String> command = java("reve.agent.examples.Painter", "--port", port, "--name", "painter",
+                "--seconds", AGENT_SECONDS);
+        return new JsonProcess("Java agent", command, Map.of(), folder.resolve("painter.log"));
+    }
+
+    /** The Java command that this process runs with, class path included. */
+    private static List<String> java(String... arguments) {
+        List<String> command = new ArrayList<>(List.of(
+                Path.of(System.getProperty("java.home"), "bin", "java").toString(),
+                "-XX:+UseSerialGC", "-XX:+RestoreMXCSROnJNICalls", "--enable-native-access=ALL-UNNAMED",
+                "-cp", System.getProperty("java.class.path")));
+        command.addAll(List.of(arguments));
+        return command;
+    }
+}

@@ -1,0 +1,104 @@
+package reve.worlds.demo;
+
+import java.io.BufferedReader;
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.concurrent.TimeUnit;
+import java.util.function.Predicate;
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/**
+ * A child process that writes JSON objects, one per line, to its standard output; its standard error
+ * goes to a log file. Closing ends it.
+ */
+final class JsonProcess implements AutoCloseable {
+    private static final JsonMapper MAPPER = new JsonMapper();
+    private static final long GRACE_SECONDS = 5;
+
+    private final String name;
+    private final Path log;
+    private final Process process;
+    private final Thread reader;
+    /** Guards itself and {@link #reading}. */
+    private final List<JsonNode> lines = new ArrayList<>();
+    private boolean reading = true;
+
+    JsonProcess(String name, List<String> command, Map<String, String> environment, Path log) throws IOException {
+        this.name = name;
+        this.log = log;
+        ProcessBuilder builder = new ProcessBuilder(command).redirectError(log.toFile());
+        builder.environment().putAll(environment);
+        process = builder.start();
+        reader = Thread.ofPlatform().daemon().name(name + " output").start(this::read);
+    }
+
+    private void read() {
+        try (BufferedReader output = process.inputReader()) {
+            for (String line = output.readLine(); line != null; line = output.readLine()) {
+                JsonNode node = MAPPER.readTree(line);
+                synchronized (lines) {
+                    lines.add(node);
+                    lines.notifyAll();
+                }
+            }
+        } catch (IOException ended) {
+            // The pipe broke because the process was ended; await() tells what is missing.
+        } catch (JacksonException notJson) {
+            process.destroy();
+        } finally {
+            synchronized (lines) {
+                reading = false;
+                lines.notifyAll();
+            }
+        }
+    }
+
+    /** The first line of this kind that is as wanted; waits for it until the process ends. */
+    JsonNode await(String event, Predicate<JsonNode> wanted) throws InterruptedException {
+        synchronized (lines) {
+            for (int seen = 0; ; seen++) {
+                while (seen == lines.size()) {
+                    if (!reading) {
+                        throw new IllegalStateException(name + " ended without telling '" + event
+                                + "'; its messages are in " + log);
+                    }
+                    lines.wait();
+                }
+                JsonNode line = lines.get(seen);
+                if (line.path("event").asString("").equals(event) && wanted.test(line)) {
+                    return line;
+                }
+            }
+        }
+    }
+
+    /** Waits for the process to end, and returns the last line it wrote. */
+    JsonNode awaitEnd(long seconds) throws InterruptedException {
+        if (!process.waitFor(seconds, TimeUnit.SECONDS)) {
+            throw new IllegalStateException(name + " did not end within " + seconds + " s; see " + log);
+        }
+        reader.join();
+        if (process.exitValue() != 0 || lines.isEmpty()) {
+            throw new IllegalStateException(name + " ended with code " + process.exitValue() + "; see " + log);
+        }
+        return lines.getLast();
+    }
+
+    @Override
+    public void close() {
+        process.destroy();
+        try {
+            if (!process.waitFor(GRACE_SECONDS, TimeUnit.SECONDS)) {
+                process.destroyForcibly();
+            }
+        } catch (InterruptedException hurried) {
+            process.destroyForcibly();
+            Thread.currentThread().interrupt();
+        }
+    }
+}

@@ -1,0 +1,5 @@
+/** The application: entry point and version. */
+@NullMarked
+package reve.worlds;
+
+import org.jspecify.annotations.NullMarked;

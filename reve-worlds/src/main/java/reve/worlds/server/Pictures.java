@@ -1,0 +1,103 @@
+package reve.worlds.server;
+
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+import java.util.concurrent.ExecutorService;
+import java.util.concurrent.Executors;
+import java.util.concurrent.TimeUnit;
+import reve.core.frame.FrameEvent;
+import reve.core.world.SnapshotRing;
+import reve.core.world.WorldSnapshot;
+import reve.worlds.render.Camera;
+import reve.worlds.render.Environment;
+import reve.worlds.render.ImageFormat;
+import reve.worlds.render.RenderException;
+import reve.worlds.render.Renderer;
+import reve.worlds.render.Scene;
+import reve.worlds.render.SceneBuilder;
+
+/**
+ * Takes pictures of a world at given frames while it runs. The world's thread only keeps a snapshot;
+ * a thread of its own draws, and a picture that fails costs nothing else.
+ */
+public final class Pictures implements AutoCloseable {
+    /** Size of pictures unless asked otherwise. */
+    public static final ImageFormat DEFAULT_FORMAT = ImageFormat.of(960, 640);
+
+    private static final long PATIENCE_SECONDS = 120;
+
+    private final Path folder;
+    private final long[] frames;
+    private final Renderer renderer = new Renderer(
+            Path.of(System.getProperty("reve.native.path", "build/native")), Renderer.DEFAULT_DEADLINE);
+    private final ExecutorService artist = Executors.newSingleThreadExecutor(
+            Thread.ofPlatform().daemon().name("pictures").factory());
+    private int next;
+
+    /**
+     * @param folder where the pictures go, named by world and world time
+     * @param frames at whose end to take one
+     */
+    public Pictures(Path folder, List<Long> frames) {
+        this.folder = folder;
+        this.frames = frames.stream().mapToLong(Long::longValue).sorted().distinct().toArray();
+    }
+
+    /** Begins to follow a simulation; once, before its loop runs. */
+    void subscribeTo(Simulation simulation, ServerEvents events) {
+        if (frames.length > 0) {
+            simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
+        }
+    }
+
+    /** What a simulation's pictures show, from its camera if it has one. */
+    public static SceneBuilder sceneBuilder(Simulation simulation, ImageFormat format) {
+        return new SceneBuilder(format, Environment.STUDIO, simulation.description().camera().map(Camera::of));
+    }
+
+    private void onFrame(FrameEvent frame, Simulation simulation, ServerEvents events) {
+        if (next == frames.length || frame.frame() < frames[next]) {
+            return;
+        }
+        next++;
+        Path file = folder.resolve(String.format(Locale.ROOT, "%s-%.2fs.png",
+                simulation.world().name(), frame.timeSeconds()));
+        SnapshotRing snapshots = simulation.snapshots();
+        WorldSnapshot snapshot = snapshots.acquireLatest().orElseThrow();
+        SceneBuilder builder = sceneBuilder(simulation, DEFAULT_FORMAT);
+        artist.execute(() -> draw(builder, snapshot, file, events));
+    }
+
+    private void draw(SceneBuilder builder, WorldSnapshot snapshot, Path file, ServerEvents events) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("frame", snapshot.frame());
+        fields.put("time", snapshot.timeSeconds());
+        fields.put("file", file.toAbsolutePath().normalize().toString());
+        try {
+            Scene scene;
+            try (snapshot) {
+                scene = builder.build(snapshot);
+            }
+            renderer.render(scene, file);
+            events.happened("snapshot", fields);
+        } catch (RenderException failed) {
+            fields.put("message", failed.getMessage());
+            events.happened("snapshot-failed", fields);
+        }
+    }
+
+    /** Finishes the pictures that were begun, then ends the renderer. May be called twice. */
+    @Override
+    public void close() {
+        artist.shutdown();
+        try {
+            artist.awaitTermination(PATIENCE_SECONDS, TimeUnit.SECONDS);
+        } catch (InterruptedException hurried) {
+            Thread.currentThread().interrupt();
+        }
+        renderer.close();
+    }
+}
