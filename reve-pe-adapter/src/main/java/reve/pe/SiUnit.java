@@ -1,5 +1,7 @@
 package reve.pe;
 
+import java.util.Arrays;
+
 /**
  * A physical unit: one of it is {@code scale} times the product of the SI base units raised to
  * their exponents. Equality is exponents and scale; the symbol is for messages.
@@ -40,11 +42,11 @@ public record SiUnit(byte metre, byte kilogram, byte second, byte ampere, byte k
     @Override
     public boolean equals(Object other) {
         return other instanceof SiUnit unit && unit.scale == scale
-            && java.util.Arrays.equals(unit.exponents(), exponents());
+            && Arrays.equals(unit.exponents(), exponents());
     }
 
     @Override
     public int hashCode() {
-        return 31 * java.util.Arrays.hashCode(exponents()) + Double.hashCode(scale);
+        return 31 * Arrays.hashCode(exponents()) + Double.hashCode(scale);
     }
 }

@@ -154,7 +154,8 @@ final class VesperLayouts {
             : expected.struct + "." + expected.field;
         Row found = library.stream()
             .filter(row -> row.struct.equals(expected.struct) && row.field.equals(expected.field))
-            .findFirst().orElseThrow(() -> mismatch(thing + " is missing from the library's table"));
+            .findFirst()
+            .orElseThrow(() -> mismatch(thing + " is missing from the library's table"));
         if (!found.equals(expected)) {
             throw mismatch(thing + " is at offset " + found.offset + " with " + found.size
                 + " bytes in the library, expected offset " + expected.offset + " with "

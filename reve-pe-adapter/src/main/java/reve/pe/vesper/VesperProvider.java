@@ -32,6 +32,7 @@ final class VesperProvider implements PhysicalPropertyProvider {
 
     /** Lifetimes of the lent arrays, each once; checked before C may touch the arrays. */
     private MemorySegment.Scope[] lifetimes = {};
+    private boolean lifetimesKnown = true;
 
     /** A property of the prototype: its name for C, and the arrays lent for it. */
     private static final class Slot {
@@ -113,8 +114,11 @@ final class VesperProvider implements PhysicalPropertyProvider {
         errors.check(VesperLibrary.providerTouch(provider, oneName, 1, errors.segment()));
     }
 
-    /** Throws if the client closed memory that the engine still borrows. Allocates nothing. */
+    /** Throws if the client closed memory that the engine still borrows. */
     void checkArraysAlive() {
+        if (!lifetimesKnown) {
+            collectLifetimes();
+        }
         for (MemorySegment.Scope lifetime : lifetimes) {
             if (!lifetime.isAlive()) {
                 throw new IllegalStateException("memory lent to the engine was closed;"
@@ -163,16 +167,21 @@ final class VesperProvider implements PhysicalPropertyProvider {
     private void lend(Slot slot, @Nullable MemorySegment data, @Nullable MemorySegment indices) {
         slot.data = data;
         slot.indices = indices;
+        lifetimesKnown = false;
+    }
+
+    private void collectLifetimes() {
         Set<MemorySegment.Scope> scopes = new LinkedHashSet<>();
-        for (Slot each : slots.values()) {
-            if (each.data != null) {
-                scopes.add(each.data.scope());
+        for (Slot slot : slots.values()) {
+            if (slot.data != null) {
+                scopes.add(slot.data.scope());
             }
-            if (each.indices != null) {
-                scopes.add(each.indices.scope());
+            if (slot.indices != null) {
+                scopes.add(slot.indices.scope());
             }
         }
         lifetimes = scopes.toArray(MemorySegment.Scope[]::new);
+        lifetimesKnown = true;
     }
 
     private List<String> dead() {

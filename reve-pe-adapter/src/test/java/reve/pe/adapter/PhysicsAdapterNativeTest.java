@@ -98,6 +98,32 @@ class PhysicsAdapterNativeTest {
     }
 
     @Test
+    void aReferenceThatLeadsNowhereStopsPhysicsAndIsNamed() {
+        try (AdapterFixture orbit = AdapterFixture.springOrbit().run(1)) {
+            long tree = orbit.world.add(ItemDefinition.named("tree").build()).id().value();
+            long blue = orbit.world.find("blue").orElseThrow().id().value();
+            Column end = orbit.world.table("spring").column("end2");
+            var before = orbit.motion("blue");
+            for (long target : new long[] {0, 999, tree}) {
+                end.segment().set(ValueLayout.JAVA_LONG, 0, target);
+                end.touch();
+                orbit.run(1);
+            }
+            assertThat(orbit.motion("blue")).isEqualTo(before);
+            assertThat(orbit.events("fault")).extracting(event ->
+                String.valueOf(event.fields().get("message"))).satisfiesExactly(
+                    nothing -> assertThat(nothing).contains("band")
+                        .contains("end2 refers to nothing, expected a body with physics"),
+                    scenery -> assertThat(scenery).contains("band", "end2", "tree")
+                        .contains("which has no physics aspect"));
+            end.segment().set(ValueLayout.JAVA_LONG, 0, blue);
+            end.touch();
+            orbit.run(1);
+            assertThat(orbit.motion("blue")).isNotEqualTo(before);
+        }
+    }
+
+    @Test
     void rowsThatMoveTakeTheirSpringsAlong() {
         try (AdapterFixture alone = AdapterFixture.springOrbit();
              AdapterFixture crowded = crowdedOrbit()) {
@@ -117,10 +143,11 @@ class PhysicsAdapterNativeTest {
             alone.run(30);
             for (int frame = 0; frame < 30; frame++) {
                 for (int i = 0; i < 10; i++) {
-                    growing.world.add(AdapterFixture.body("b" + frame + "-" + i, 1, 0, 0, 0, 1, 0, 0));
-                    growing.world.add(ItemDefinition.named("s" + frame + "-" + i).kind("spring")
+                    String name = frame + "-" + i;
+                    growing.world.add(AdapterFixture.body("b" + name, 1, 0, 0, 0, 1, 0, 0));
+                    growing.world.add(ItemDefinition.named("s" + name).kind("spring")
                         .physics("springConstant", 0).reference("end1", "red")
-                        .reference("end2", "b" + frame + "-" + i).build());
+                        .reference("end2", "b" + name).build());
                 }
                 growing.run(1);
             }

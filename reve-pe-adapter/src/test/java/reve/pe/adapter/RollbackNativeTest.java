@@ -82,7 +82,8 @@ class RollbackNativeTest {
             clean.run(10);
             spoilt.run(10);
             assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
-            assertThat(spoilt.events("fault")).extracting(WorldEvent::frame).containsExactly(6L, 6L);
+            assertThat(spoilt.events("fault")).extracting(WorldEvent::frame)
+                .containsExactly(6L, 6L);
             assertThat(spoilt.adapter.profile().redoneFrames()).isEqualTo(2);
             assertThat(spoilt.adapter.laws().loaded()).extracting(PhysicsLaw::library)
                 .containsExactly(SpringOrbit.LAWS);
@@ -93,7 +94,8 @@ class RollbackNativeTest {
     @ValueSource(booleans = {false, true})
     void aLawThatFailsBesideAnAccumulatorRestoresTheForcesToo(boolean validate) {
         try (AdapterFixture clean = AdapterFixture.springOrbit(validate).load("wind");
-             AdapterFixture spoilt = AdapterFixture.springOrbit(validate).load("wind", "returns_failure")) {
+             AdapterFixture spoilt =
+                 AdapterFixture.springOrbit(validate).load("wind", "returns_failure")) {
             clean.run(3);
             spoilt.run(3);
             assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
