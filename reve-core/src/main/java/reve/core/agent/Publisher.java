@@ -106,12 +106,30 @@ final class Publisher {
 
     private void publish() {
         members.removeIf(Session::hasEnded);
-        // Events are taken before commands, so that who joined in a frame is there to hear its events.
-        List<WorldEvent> news = takeEvents();
-        reportCompleted();
-        news.forEach(this::tell);
-        servePerceptions();
+        // First the snapshot, then events, then commands: so that whoever perceives a frame has been told before
+        // what happened in it, and whoever joined in a frame is there to hear its events.
+        Optional<WorldSnapshot> snapshot = unservedSnapshot();
+        try {
+            List<WorldEvent> news = takeEvents();
+            reportCompleted();
+            news.forEach(this::tell);
+            snapshot.ifPresent(this::serve);
+        } finally {
+            snapshot.ifPresent(WorldSnapshot::close);
+        }
         afterFrame.run();
+    }
+
+    private Optional<WorldSnapshot> unservedSnapshot() {
+        if (published == served) {
+            return Optional.empty();
+        }
+        Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
+        if (latest.isPresent() && latest.get().frame() > published) {
+            latest.get().close(); // its events are not here yet; we are woken when they are
+            return Optional.empty();
+        }
+        return latest;
     }
 
     private List<WorldEvent> takeEvents() {
@@ -144,26 +162,17 @@ final class Publisher {
         }
     }
 
-    private void servePerceptions() {
-        if (published == served) {
-            return;
-        }
-        Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
-        if (latest.isEmpty()) {
-            return;
-        }
-        try (WorldSnapshot snapshot = latest.get()) {
-            long frame = snapshot.frame();
-            if (members.stream().anyMatch(member -> member.perceptions().isDue(frame))) {
-                Optional<byte[]> body = encoder.encode(snapshot);
-                if (body.isEmpty()) {
-                    return; // overwritten while we read: the next frame is here already
-                }
-                for (Session member : members) {
-                    member.perceptions().serve(frame, body.get());
-                }
+    private void serve(WorldSnapshot snapshot) {
+        long frame = snapshot.frame();
+        if (members.stream().anyMatch(member -> member.perceptions().isDue(frame))) {
+            Optional<byte[]> body = encoder.encode(snapshot);
+            if (body.isEmpty()) {
+                return; // overwritten while we read: the next frame is here already
             }
-            served = frame;
+            for (Session member : members) {
+                member.perceptions().serve(frame, body.get());
+            }
         }
+        served = frame;
     }
 }

@@ -122,7 +122,6 @@ final class Session {
         if (membership != null) {
             server.leave(membership, why.code());
         }
-        outbox.finish(why.bye().line()); // who has read its bye has left, and may come back
         if (welcomed) {
             counters.agents.decrement();
         }
@@ -130,6 +129,7 @@ final class Session {
             counters.cut.increment();
         }
         report(why);
+        outbox.finish(why.bye().line()); // who has read its bye has left, and may come back
     }
 
     /** Called every now and then; ends a write that takes too long and a connection that does not go. */

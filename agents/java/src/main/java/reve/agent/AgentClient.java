@@ -1,0 +1,369 @@
+package reve.agent;
+
+import java.io.BufferedReader;
+import java.io.IOException;
+import java.io.InputStreamReader;
+import java.io.OutputStream;
+import java.net.InetSocketAddress;
+import java.net.Socket;
+import java.net.SocketTimeoutException;
+import java.nio.charset.StandardCharsets;
+import java.time.Duration;
+import java.util.ArrayDeque;
+import java.util.Deque;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+import java.util.OptionalLong;
+import java.util.concurrent.TimeUnit;
+import java.util.function.BooleanSupplier;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * An agent in a world. Calls block until the server has answered; a thread of the client's own reads, so that the
+ * server's pings are answered while the agent thinks. Methods may be called from any thread.
+ *
+ * <p>Every call throws {@link DisconnectedException} once the connection has ended, and {@link AgentException} with
+ * code {@code no-answer} if the server is silent for longer than the patience.
+ */
+public final class AgentClient implements AutoCloseable {
+
+    /** How many events wait for {@link #events()}; older ones are forgotten. */
+    public static final int MAX_EVENTS = 1024;
+
+    private static final Duration PATIENCE = Duration.ofSeconds(10);
+
+    private final Socket socket;
+    private final BufferedReader in;
+    private final OutputStream out;
+    private final Duration patience;
+    private final Welcome welcome;
+    private final Thread reader;
+    private final Object sending = new Object();
+
+    // Guarded by this.
+    private final Map<Long, Optional<ServerMessage>> answers = new HashMap<>();
+    private final Deque<WorldEvent> events = new ArrayDeque<>();
+    private long lastId;
+    private long subscription;
+    private int every;
+    private @Nullable Perception latest;
+    private @Nullable AgentException end;
+
+    /**
+     * Joins the world at an address, with a body that the world chooses.
+     *
+     * @throws IOException if nobody listens there
+     * @throws DisconnectedException with the server's code if the agent may not join
+     */
+    public static AgentClient connect(String host, int port, String name) throws IOException {
+        return connect(host, port, name, Optional.empty(), PATIENCE);
+    }
+
+    /**
+     * As {@link #connect(String, int, String)}.
+     *
+     * @param body an item that the world lends to agents
+     * @param patience longest wait for any answer
+     */
+    public static AgentClient connect(String host, int port, String name, Optional<String> body, Duration patience)
+            throws IOException {
+        var socket = new Socket();
+        try {
+            socket.connect(new InetSocketAddress(host, port), Math.toIntExact(patience.toMillis()));
+            return new AgentClient(socket, name, body, patience);
+        } catch (IOException | RuntimeException e) {
+            socket.close();
+            throw e;
+        }
+    }
+
+    private AgentClient(Socket socket, String name, Optional<String> body, Duration patience) throws IOException {
+        this.socket = socket;
+        this.patience = patience;
+        socket.setTcpNoDelay(true);
+        socket.setSoTimeout(Math.toIntExact(patience.toMillis()));
+        in = new BufferedReader(new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+        out = socket.getOutputStream();
+        write(Protocol.hello(name, body));
+        welcome = awaitWelcome();
+        socket.setSoTimeout(0);
+        reader = Thread.ofVirtual().name("reve agent " + name).start(this::read);
+    }
+
+    /** What the server said when the agent joined: its body, the world, the limits. */
+    public Welcome welcome() {
+        return welcome;
+    }
+
+    /** The items of the next frame. */
+    public Perception perceive() {
+        long id = nextId();
+        return ask(id, Protocol.perceive(id), Perception.class);
+    }
+
+    /** Asks for a perception every that many frames from now on, for {@link #nextPerception()}. */
+    public void perceiveEvery(int frames) {
+        if (frames < 1) {
+            throw new IllegalArgumentException("every " + frames + " frames, expected 1 or more");
+        }
+        long id = nextId();
+        synchronized (this) {
+            subscription = id;
+            every = frames;
+            latest = null;
+        }
+        send(Protocol.perceive(id, frames));
+    }
+
+    /**
+     * Waits for the newest perception that the agent has not seen: who is slow skips some, and never gets old ones.
+     *
+     * @throws IllegalStateException without {@link #perceiveEvery}
+     */
+    public synchronized Perception nextPerception() {
+        if (subscription == 0) {
+            throw new IllegalStateException("call perceiveEvery before nextPerception");
+        }
+        await(() -> latest != null, patience.plusMillis(1000L * every / welcome.rate()));
+        Perception perception = Objects.requireNonNull(latest);
+        latest = null;
+        return perception;
+    }
+
+    /** Ends what {@link #perceiveEvery} began. */
+    public void stopPerceiving() {
+        synchronized (this) {
+            subscription = 0;
+            latest = null;
+        }
+        send(Protocol.perceive(nextId(), 0));
+    }
+
+    /**
+     * Asks an item to do one of its actions and waits for the outcome. A refusal is a result, no exception.
+     *
+     * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a Boolean, in the
+     *     units that the action declares
+     */
+    public ActResult act(String item, String action, Map<String, ?> arguments) {
+        long id = nextId();
+        return ask(id, Protocol.act(id, item, action, arguments), ActResult.class);
+    }
+
+    /** Returns when the server has answered. */
+    public void ping() {
+        long id = nextId();
+        ask(id, Protocol.ping(id), ServerMessage.Pong.class);
+    }
+
+    /** What happened since the last call, oldest first. */
+    public synchronized List<WorldEvent> events() {
+        List<WorldEvent> news = List.copyOf(events);
+        events.clear();
+        return news;
+    }
+
+    /** Leaves the world. Calling it again does nothing. */
+    @Override
+    public void close() {
+        finish(new DisconnectedException("closed", "this agent has left", Optional.empty()));
+        try (socket) {
+            write(Protocol.bye());
+            reader.join(patience); // ends with the server's bye, or with the connection
+        } catch (IOException e) {
+            // The connection is gone already, which is all we want.
+        } catch (InterruptedException e) {
+            Thread.currentThread().interrupt();
+        }
+    }
+
+    // ---- asking ----
+
+    private synchronized long nextId() {
+        return ++lastId;
+    }
+
+    private <T extends ServerMessage> T ask(long id, String question, Class<T> answerType) {
+        ServerMessage answer;
+        synchronized (this) {
+            answers.put(id, Optional.empty());
+        }
+        try {
+            send(question);
+            answer = awaitAnswer(id);
+        } finally {
+            synchronized (this) {
+                answers.remove(id);
+            }
+        }
+        if (answer instanceof ServerMessage.Error error) {
+            throw refused(error);
+        }
+        if (!answerType.isInstance(answer)) {
+            throw unexpected(answer);
+        }
+        return answerType.cast(answer);
+    }
+
+    private synchronized ServerMessage awaitAnswer(long id) {
+        await(() -> answers.get(id).isPresent(), patience);
+        return answers.get(id).orElseThrow();
+    }
+
+    /** With this held: until ready, or the end of the connection or of patience. */
+    private void await(BooleanSupplier ready, Duration longest) {
+        long deadline = System.nanoTime() + longest.toNanos();
+        while (!ready.getAsBoolean()) {
+            if (end != null) {
+                throw end;
+            }
+            long left = deadline - System.nanoTime();
+            if (left <= 0) {
+                throw noAnswer(longest);
+            }
+            try {
+                TimeUnit.NANOSECONDS.timedWait(this, left);
+            } catch (InterruptedException e) {
+                Thread.currentThread().interrupt();
+                throw new AgentException("interrupted", "the waiting thread was interrupted", Optional.empty());
+            }
+        }
+    }
+
+    private void send(String message) {
+        synchronized (this) {
+            if (end != null) {
+                throw end;
+            }
+        }
+        try {
+            write(message);
+        } catch (IOException e) {
+            throw finish(lost(e));
+        }
+    }
+
+    private void write(String message) throws IOException {
+        byte[] line = (message + "\n").getBytes(StandardCharsets.UTF_8);
+        synchronized (sending) {
+            out.write(line);
+            out.flush();
+        }
+    }
+
+    // ---- listening ----
+
+    private Welcome awaitWelcome() throws IOException {
+        try {
+            ServerMessage message = next();
+            while (!(message instanceof Welcome greeting)) {
+                switch (message) {
+                    case ServerMessage.Ping ping -> write(Protocol.pong());
+                    case ServerMessage.Bye bye -> throw disconnected(bye);
+                    case ServerMessage.Error error -> throw refused(error);
+                    default -> throw unexpected(message);
+                }
+                message = next();
+            }
+            return greeting;
+        } catch (SocketTimeoutException e) {
+            throw noAnswer(patience);
+        }
+    }
+
+    private void read() {
+        try {
+            while (true) {
+                take(next());
+            }
+        } catch (IOException e) {
+            finish(lost(e));
+        } catch (AgentException e) {
+            finish(e);
+        }
+    }
+
+    private ServerMessage next() throws IOException {
+        String line = in.readLine();
+        if (line == null) {
+            throw new DisconnectedException("lost", "the server closed the connection without a reason",
+                    Optional.empty());
+        }
+        return Protocol.read(line);
+    }
+
+    private void take(ServerMessage message) throws IOException {
+        switch (message) {
+            case ServerMessage.Ping ping -> write(Protocol.pong());
+            case ServerMessage.Bye bye -> throw disconnected(bye);
+            case ServerMessage.Pong pong -> answer(pong.id(), pong);
+            case ServerMessage.Error error -> {
+                if (error.id().isEmpty()) {
+                    throw refused(error);
+                }
+                answer(error.id(), error);
+            }
+            case ActResult result -> answer(OptionalLong.of(result.id()), result);
+            case Perception perception -> show(perception);
+            case WorldEvent event -> remember(event);
+            case Welcome again -> throw unexpected(again);
+        }
+    }
+
+    private synchronized void show(Perception perception) {
+        if (perception.id().equals(OptionalLong.of(subscription))) {
+            latest = perception;
+            notifyAll();
+        } else {
+            answer(perception.id(), perception);
+        }
+    }
+
+    private synchronized void answer(OptionalLong id, ServerMessage message) {
+        if (id.isPresent()) {
+            answers.computeIfPresent(id.getAsLong(), (number, none) -> Optional.of(message));
+            notifyAll();
+        }
+    }
+
+    private synchronized void remember(WorldEvent event) {
+        if (events.size() == MAX_EVENTS) {
+            events.removeFirst();
+        }
+        events.addLast(event);
+    }
+
+    /** The first reason counts. */
+    private synchronized AgentException finish(AgentException reason) {
+        AgentException first = end == null ? reason : end;
+        end = first;
+        notifyAll();
+        return first;
+    }
+
+    // ---- what goes wrong ----
+
+    private static DisconnectedException disconnected(ServerMessage.Bye bye) {
+        return new DisconnectedException(bye.code(), bye.message(), bye.hint());
+    }
+
+    private static DisconnectedException lost(IOException cause) {
+        return new DisconnectedException("lost", "the connection broke: " + cause.getMessage(), Optional.empty());
+    }
+
+    private static AgentException refused(ServerMessage.Error error) {
+        return new AgentException(error.code(), error.message(), error.hint());
+    }
+
+    private static AgentException unexpected(ServerMessage message) {
+        return new AgentException("protocol", "the server sent what nobody asked for: " + message, Optional.empty());
+    }
+
+    private static AgentException noAnswer(Duration waited) {
+        return new AgentException("no-answer", "the server was silent for " + waited.toMillis() / 1000.0 + " s",
+                Optional.of("is its world running?"));
+    }
+}

@@ -1,0 +1,31 @@
+package reve.agent;
+
+import java.util.Optional;
+
+/**
+ * The server refused a message, ended the connection, or is silent. The code is for programs, the message, which
+ * ends with the hint if there is one, for people.
+ */
+public class AgentException extends RuntimeException {
+
+    private static final long serialVersionUID = 1L;
+
+    private final String code;
+    private final transient Optional<String> hint;
+
+    AgentException(String code, String message, Optional<String> hint) {
+        super(code + ": " + message + hint.map(text -> " (" + text + ")").orElse(""));
+        this.code = code;
+        this.hint = hint;
+    }
+
+    /** One of the codes of the protocol; {@code no-answer} for silence, {@code protocol} for what is no message. */
+    public String code() {
+        return code;
+    }
+
+    /** What to do about it. */
+    public Optional<String> hint() {
+        return hint;
+    }
+}

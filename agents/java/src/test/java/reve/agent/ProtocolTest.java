@@ -1,0 +1,199 @@
+package reve.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+import java.util.OptionalLong;
+import java.util.stream.Stream;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.MethodSource;
+import org.junit.jupiter.params.provider.ValueSource;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+import tools.jackson.databind.node.ArrayNode;
+import tools.jackson.databind.node.ObjectNode;
+
+/** The protocol's test vectors, as every client must reproduce them. */
+class ProtocolTest {
+
+    private static final JsonMapper JSON = new JsonMapper();
+
+    static Stream<JsonNode> clientMessages() throws IOException {
+        return vectors("client.jsonl");
+    }
+
+    static Stream<JsonNode> serverMessages() throws IOException {
+        return vectors("server.jsonl");
+    }
+
+    static Stream<JsonNode> sessionMessages() throws IOException {
+        return vectors("session.jsonl").filter(line -> line.has("server")).map(line -> line.get("server"));
+    }
+
+    static Stream<JsonNode> lenientServerMessages() throws IOException {
+        return vectors("lenient.jsonl").filter(vector -> vector.get("from").stringValue().equals("server"));
+    }
+
+    @ParameterizedTest
+    @MethodSource("clientMessages")
+    void whatTheClientSaysIsWrittenAsDocumented(JsonNode message) {
+        String line = said(message);
+        assertThat(line).doesNotContain("\n");
+        assertSame(JSON.readTree(line), message);
+    }
+
+    @ParameterizedTest
+    @MethodSource({"serverMessages", "sessionMessages"})
+    void whatTheServerSaysIsUnderstood(JsonNode message) {
+        assertSame(written(Protocol.read(message.toString())), message);
+    }
+
+    @ParameterizedTest
+    @MethodSource("lenientServerMessages")
+    void anUnusualFormMeansTheSame(JsonNode vector) {
+        assertThat(Protocol.read(vector.get("line").stringValue()))
+                .isEqualTo(Protocol.read(vector.get("means").toString()));
+    }
+
+    @ParameterizedTest
+    @ValueSource(strings = {"", "null", "[]", "{}", "{\"t\":1}", "{\"t\":\"jump\"}", "{\"t\":\"hello\"}",
+        "{\"t\":\"result\",\"id\":1}", "{\"t\":\"event\",\"frame\":\"x\",\"type\":\"y\",\"fields\":{}}",
+        "{\"t\":\"perception\",\"frame\":1,\"time\":0,\"items\":[{\"name\":\"a\"}]}", "{\"t\":\"bye\""})
+    void whatIsNoMessageIsRefused(String line) {
+        assertThatExceptionOfType(AgentException.class).isThrownBy(() -> Protocol.read(line))
+                .satisfies(e -> assertThat(e.code()).isEqualTo("protocol")).withMessageContaining(line);
+    }
+
+    @Test
+    void argumentsThatHaveNoFormAreRefusedBeforeTheyAreSent() {
+        for (Object value : List.of(Double.NaN, List.of(1.0, Double.POSITIVE_INFINITY), List.of("x"), Map.of(),
+                new double[] {Double.NEGATIVE_INFINITY})) {
+            assertThatIllegalArgumentException()
+                    .isThrownBy(() -> Protocol.act(1, "duck", "push", Map.of("impulse", value)))
+                    .withMessageContaining("argument impulse");
+        }
+    }
+
+    /** What this client writes for a message with those values. */
+    private static String said(JsonNode message) {
+        long id = message.path("id").asLong(0);
+        return switch (message.get("t").stringValue()) {
+            case "hello" -> Protocol.hello(message.get("name").stringValue(),
+                    message.optional("body").map(JsonNode::stringValue));
+            case "perceive" -> message.has("every") ? Protocol.perceive(id, message.get("every").intValue())
+                    : Protocol.perceive(id);
+            case "act" -> {
+                var arguments = new LinkedHashMap<String, Object>();
+                message.get("arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
+                yield Protocol.act(id, message.get("item").stringValue(), message.get("action").stringValue(),
+                        arguments);
+            }
+            case "ping" -> Protocol.ping(id);
+            case "pong" -> Protocol.pong();
+            case "bye" -> Protocol.bye();
+            default -> throw new AssertionError("no such message: " + message);
+        };
+    }
+
+    private static Object value(JsonNode value) {
+        if (value.isArray()) {
+            var numbers = new ArrayList<Number>();
+            value.forEach(number -> numbers.add(number.numberValue()));
+            return numbers;
+        }
+        if (value.isBoolean()) {
+            return value.booleanValue();
+        }
+        return value.isNumber() ? value.numberValue() : value.stringValue();
+    }
+
+    /** What the server must have written for this client to understand that. */
+    private static JsonNode written(ServerMessage message) {
+        ObjectNode json = JSON.createObjectNode();
+        switch (message) {
+            case Welcome w -> {
+                put(json.put("t", "welcome"), w.id());
+                json.put("protocol", w.protocol()).put("agent", w.agent()).put("body", w.body())
+                        .put("world", w.world()).put("frame", w.frame()).put("rate", w.rate())
+                        .putObject("limits").put("lineBytes", w.limits().lineBytes())
+                        .put("actsInFlight", w.limits().actsInFlight())
+                        .put("idleSeconds", w.limits().idleSeconds());
+            }
+            case Perception p -> {
+                put(json.put("t", "perception"), p.id());
+                ArrayNode items = json.put("frame", p.frame()).put("time", p.time()).putArray("items");
+                p.items().forEach(item -> items.add(written(item)));
+            }
+            case ActResult r -> {
+                json.put("t", "result").put("id", r.id()).put("accepted", r.accepted());
+                r.frame().ifPresent(frame -> json.put("frame", frame));
+                put(json, "code", r.code());
+                put(json, "reason", r.reason());
+            }
+            case WorldEvent e -> json.put("t", "event").put("frame", e.frame()).put("type", e.type())
+                    .set("fields", JSON.valueToTree(e.fields()));
+            case ServerMessage.Error e -> {
+                put(json.put("t", "error"), e.id());
+                put(json.put("code", e.code()).put("message", e.message()), "hint", e.hint());
+            }
+            case ServerMessage.Ping p -> json.put("t", "ping");
+            case ServerMessage.Pong p -> put(json.put("t", "pong"), p.id());
+            case ServerMessage.Bye b -> put(json.put("t", "bye").put("code", b.code()).put("message", b.message()),
+                    "hint", b.hint());
+        }
+        return JSON.readTree(json.toString());
+    }
+
+    private static JsonNode written(Perception.Item item) {
+        ObjectNode json = JSON.createObjectNode().put("name", item.name());
+        item.location().ifPresent(at -> json.putArray("location").add(at.x()).add(at.y()).add(at.z()));
+        json.set("symbols", JSON.valueToTree(item.symbols()));
+        ObjectNode actions = json.putObject("actions");
+        item.actions().forEach((action, parameters) -> {
+            ObjectNode all = actions.putObject(action);
+            parameters.forEach((name, parameter) -> {
+                ObjectNode one = all.putObject(name).put("type", parameter.type());
+                parameter.components().ifPresent(count -> one.put("components", count));
+                put(one, "unit", parameter.unit());
+            });
+        });
+        return json;
+    }
+
+    private static void put(ObjectNode json, OptionalLong id) {
+        id.ifPresent(number -> json.put("id", number));
+    }
+
+    private static void put(ObjectNode json, String field, Optional<String> text) {
+        text.ifPresent(value -> json.put(field, value));
+    }
+
+    private static void assertSame(JsonNode actual, JsonNode expected) {
+        assertThat(actual.equals(ProtocolTest::compareLeaves, expected))
+                .as("expected %s%n but was %s", expected, actual).isTrue();
+    }
+
+    private static int compareLeaves(JsonNode a, JsonNode b) {
+        if (a.isNumber() && b.isNumber()) {
+            return Double.compare(a.doubleValue(), b.doubleValue());
+        }
+        return a.equals(b) ? 0 : 1;
+    }
+
+    private static Stream<JsonNode> vectors(String file) throws IOException {
+        String root = Objects.requireNonNull(System.getProperty("reve.root"),
+                "set -Dreve.root to the folder of the project");
+        return Files.readAllLines(Path.of(root, "agents/protocol/vectors", file)).stream().map(JSON::readTree);
+    }
+}

@@ -1,0 +1,46 @@
+"""What the tests share: the package beside them, the protocol's vectors, and a real server."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import pathlib
+import subprocess
+import sys
+from typing import Any, Iterator, List
+
+HERE = pathlib.Path(__file__).resolve().parent
+PACKAGE = HERE.parent
+PROTOCOL = PACKAGE.parent / "protocol"
+
+sys.path.insert(0, str(PACKAGE))
+
+
+def vectors(name: str) -> List[Any]:
+    """One value per line of a file of test vectors."""
+    return [json.loads(line) for line in (PROTOCOL / "vectors" / name).read_text("utf-8").splitlines()]
+
+
+@contextlib.contextmanager
+def pond() -> Iterator[int]:
+    """A server with the world of pond.yaml, as a process of its own; yields its port."""
+    class_path = os.environ.get("REVE_TEST_CLASSPATH")
+    java_home = os.environ.get("REVE_JAVA_HOME")
+    if not class_path or not java_home:
+        raise RuntimeError(
+            "these tests start the Java server: set REVE_TEST_CLASSPATH to its class path and "
+            "REVE_JAVA_HOME to a JDK 25, or run `./reve test`, which does"
+        )
+    command = [f"{java_home}/bin/java", "-cp", class_path, str(HERE / "PondServer.java"), str(HERE / "pond.yaml")]
+    server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    try:
+        assert server.stdin is not None and server.stdout is not None
+        line = server.stdout.readline()
+        if not line.strip().isdigit():
+            raise RuntimeError(f"the server did not start: {' '.join(command)} said {line!r}")
+        yield int(line)
+    finally:
+        server.stdin.close()
+        server.stdout.close()
+        server.wait(timeout=30)

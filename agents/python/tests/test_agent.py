@@ -1,0 +1,175 @@
+"""The client against the real server, in a process of its own, making 240 frames a second."""
+
+import contextlib
+import json
+import socket
+import subprocess
+import sys
+import threading
+import unittest
+
+from support import PACKAGE, pond
+
+import reve
+
+
+class AgentTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.servers = contextlib.ExitStack()
+        cls.port = cls.servers.enter_context(pond())
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.servers.close()
+
+    def join(self, name, **options):
+        agent = reve.connect("127.0.0.1", self.port, name=name, **options)
+        self.addCleanup(agent.close)
+        return agent
+
+    def test_an_agent_is_welcomed_with_its_body_and_the_worlds_name(self):
+        with self.join("ada", body="boat") as ada, self.join("bob") as bob:
+            self.assertEqual((ada.name, ada.body, ada.welcome.world, ada.welcome.rate), ("ada", "boat", "pond", 240))
+            self.assertEqual((bob.name, bob.body), ("bob", "bob"))
+            names = [item.name for item in bob.perceive().items]
+            self.assertEqual(names, ["duck", "boat", "rope", "anchor", "bob"])
+
+    def test_a_perception_has_places_symbols_and_actions(self):
+        with self.join("eve") as eve:
+            perception = eve.perceive()
+            self.assertGreater(perception.frame, eve.welcome.frame)
+            self.assertAlmostEqual(perception.time, perception.frame / 240)
+            duck, rope = perception.find("duck"), perception.find("rope")
+            self.assertEqual(duck.location, (1.0, 0.0, -2.5))
+            self.assertEqual(duck.symbols["class"], "toy")
+            self.assertEqual(duck.actions["push"], {"impulse": reve.Parameter("number", 3, "N*s")})
+            self.assertEqual(duck.actions["paint"], {"colour": reve.Parameter("text")})
+            self.assertIsNone(rope.location)
+            self.assertIsNone(perception.find("swan"))
+
+    def test_perceptions_come_every_n_frames_and_only_while_asked_for(self):
+        with self.join("fay") as fay:
+            frames = []
+            for perception in fay.perceptions(every=5):
+                frames.append(perception.frame)
+                if len(frames) == 4:
+                    break
+            self.assertTrue(all(b - a >= 5 for a, b in zip(frames, frames[1:])), frames)
+            self.assertGreater(fay.perceive().frame, frames[-1])
+
+    def test_another_stream_ends_the_first(self):
+        with self.join("gus") as gus:
+            first, second = gus.perceptions(every=1), gus.perceptions(every=2)
+            next(first)
+            next(second)
+            self.assertEqual(list(first), [])
+            self.assertGreater(next(second).frame, 0)
+
+    def test_an_act_takes_effect_in_the_frame_that_its_result_names(self):
+        with self.join("hal") as hal:
+            result = hal.act("duck", "paint", colour="grün")
+            self.assertTrue(result)
+            perception = hal.perceive()
+            self.assertGreaterEqual(perception.frame, result.frame)
+            self.assertEqual(perception.find("duck").symbols["colour"], "grün")
+
+    def test_a_refused_act_is_a_result_with_code_and_reason(self):
+        with self.join("ian") as ian:
+            for arguments, code in (({}, "missing-argument"), ({"impulse": [1, 2]}, "wrong-components")):
+                result = ian.act("duck", "push", **arguments)
+                self.assertFalse(result)
+                self.assertEqual(result.code, code)
+                self.assertIn("impulse", result.reason)
+            self.assertEqual(ian.act("swan", "push").code, "no-such-item")
+
+    def test_events_are_kept_in_order_and_handed_out_once(self):
+        with self.join("jan") as jan:
+            duck = jan.perceive().find("duck")
+            jan.act(duck, "push", impulse=[0, 0, 0])
+            jan.perceive()
+            events = [event for event in jan.events() if event.fields.get("actor") == jan.body
+                      or event.fields.get("agent") == "jan"]
+            self.assertEqual([event.type for event in events], ["joined", "quack", "acted"])
+            self.assertEqual([e for e in jan.events() if e.fields.get("agent") == "jan"], [])
+
+    def test_a_name_is_taken_while_its_agent_is_there(self):
+        with self.join("kim"):
+            with self.assertRaises(reve.Disconnected) as raised:
+                self.join("kim")
+            self.assertEqual(raised.exception.code, "name-taken")
+            self.assertIn("another name", raised.exception.hint)
+        self.join("kim").close()
+
+    def test_leaving_removes_the_body(self):
+        with self.join("lea") as lea:
+            with self.join("max"):
+                self.assertIsNotNone(lea.perceive().find("max"))
+            self.assertIsNone(lea.perceive().find("max"))
+
+    def test_a_refused_message_raises_its_code_and_the_agent_goes_on(self):
+        with self.join("nat") as nat:
+            with self.assertRaises(reve.ReveError) as raised:
+                nat.act("", "push")
+            self.assertEqual(raised.exception.code, "bad-field")
+            nat.ping()
+
+    def test_after_closing_every_call_says_so(self):
+        ola = self.join("ola")
+        ola.close()
+        ola.close()
+        for call in (ola.perceive, ola.ping, lambda: ola.act("duck", "push"), lambda: next(ola.perceptions())):
+            with self.assertRaises(reve.Disconnected) as raised:
+                call()
+            self.assertEqual(raised.exception.code, "closed")
+
+    def test_several_threads_share_an_agent(self):
+        with self.join("pia") as pia:
+            accepted = []
+
+            def paint(number):
+                for _ in range(10):
+                    accepted.append(pia.act("duck", "paint", colour=f"shade {number}").accepted)
+
+            threads = [threading.Thread(target=paint, args=(number,)) for number in range(4)]
+            for thread in threads:
+                thread.start()
+            for thread in threads:
+                thread.join()
+            self.assertEqual(accepted, [True] * 40)
+
+    def test_the_end_of_the_server_ends_every_call_with_its_reason(self):
+        with contextlib.ExitStack() as stack:
+            port = stack.enter_context(pond())
+            agent = reve.connect("127.0.0.1", port, name="ray")
+            perceptions = agent.perceptions()
+            next(perceptions)
+            stack.close()
+            with self.assertRaises(reve.Disconnected) as raised:
+                for _ in perceptions:
+                    pass
+            self.assertEqual(raised.exception.code, "closing")
+            agent.close()
+
+    def test_a_server_that_says_nothing_costs_no_more_than_the_timeout(self):
+        with socket.create_server(("127.0.0.1", 0)) as silent:
+            with self.assertRaises(reve.ReveError) as raised:
+                reve.connect("127.0.0.1", silent.getsockname()[1], name="sam", timeout=0.2)
+        self.assertEqual(raised.exception.code, "no-answer")
+
+    def test_the_curious_example_follows_and_pushes_what_is_interesting(self):
+        example = subprocess.run(
+            [sys.executable, str(PACKAGE / "examples" / "curious.py"), "--port", str(self.port), "--seconds", "0.5",
+             "--push-every", "0.1"],
+            env={"PYTHONPATH": str(PACKAGE)}, stdout=subprocess.PIPE, text=True, timeout=60, check=True,
+        )
+        summary = json.loads(example.stdout.splitlines()[-1])
+        self.assertEqual((summary["agent"], summary["world"], summary["ended"]), ("curious", "pond", "done"))
+        self.assertEqual(summary["favourite"], "duck")
+        self.assertGreaterEqual(summary["pushes"], 2)
+        self.assertGreaterEqual(summary["events"]["quack"], 1)
+        self.assertGreaterEqual(summary["lastFrame"] - summary["firstFrame"], 120)
+
+
+if __name__ == "__main__":
+    unittest.main()
