@@ -150,6 +150,18 @@ TYPED_TEST(HookeSpringTest, CoincidentEndsExertNoForce) {
   EXPECT_EQ(scene.external_force, std::vector<TypeParam>(6, 0));
 }
 
+TYPED_TEST(HookeSpringTest, NearlyCoincidentEndsPushApartWithFullForce) {
+  Scene<TypeParam> scene;
+  scene.AddBody(1, {0, 0, 0});
+  scene.AddBody(1, {0, TypeParam(1e-20), 0});
+  scene.AddSpring(0, 1, 2, 100);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.Advance(0.01);
+  EXPECT_NEAR(scene.external_force[1], -200, Rounding<TypeParam>(400));
+  EXPECT_NEAR(scene.external_force[4], 200, Rounding<TypeParam>(400));
+}
+
 TYPED_TEST(HookeSpringTest, DampingActsAlongTheSpringOnly) {
   Scene<TypeParam> scene;
   scene.AddBody(1, {0, 0, 0});
