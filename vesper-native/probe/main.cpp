@@ -1,7 +1,7 @@
 // vesper-probe: opens one law library and reports over a pipe how far it got.
 //
-// Started by the engine (see probe_process.cpp) with the library and the pipe as descriptors 3 and 4,
-// the library's name for messages, and the time in milliseconds after which nobody waits any more.
+// Started by the engine (see probe_process.cpp) with the library and the pipe as descriptors 3 and
+// 4, the library's name for messages, and the time in milliseconds after which nobody waits.
 #include <dlfcn.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -33,7 +33,7 @@ void Report(ProbeStage stage, const vesper_error& error) {
 
 void Enter(ProbeStage stage) { Report(stage, vesper::BlankError()); }
 
-/// Ends the probe in any case, should the engine that waits for it be gone, and without a core file.
+/// Ends the probe even if the engine that waits for it is gone, and without a core file.
 void LimitItself(unsigned timeout_ms) {
   const rlimit none{0, 0};
   setrlimit(RLIMIT_CORE, &none);

@@ -37,7 +37,8 @@ class Reader {
   /// `offset + size`, where a header says that something lies.
   uint64_t End(uint64_t offset, uint64_t size) const {
     uint64_t end = 0;
-    Require(!__builtin_add_overflow(offset, size, &end), "an ELF header holds an impossible offset");
+    Require(!__builtin_add_overflow(offset, size, &end),
+            "an ELF header holds an impossible offset");
     return end;
   }
 

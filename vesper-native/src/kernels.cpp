@@ -68,6 +68,11 @@ void CopyCanonical(void* to, const void* from, uint64_t count) {
   for (uint64_t i = 0; i < count; ++i) target[i] = source[i] + Real{0};
 }
 
+template <class Real>
+void FillUnwritten(void* values, uint64_t count) {
+  std::fill_n(static_cast<Real*>(values), count, std::bit_cast<Real>(Bits<Real>::kUnwritten));
+}
+
 }  // namespace
 
 uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count) {
@@ -82,11 +87,8 @@ void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count)
 }
 
 void FillUnwritten(vesper_scalar_type type, void* values, uint64_t count) {
-  if (type == VESPER_F64) {
-    std::fill_n(static_cast<double*>(values), count, std::bit_cast<double>(Bits<double>::kUnwritten));
-  } else if (type == VESPER_F32) {
-    std::fill_n(static_cast<float*>(values), count, std::bit_cast<float>(Bits<float>::kUnwritten));
-  }
+  if (type == VESPER_F64) FillUnwritten<double>(values, count);
+  if (type == VESPER_F32) FillUnwritten<float>(values, count);
 }
 
 bool IsUnwritten(vesper_scalar_type type, const void* values, uint64_t index) {

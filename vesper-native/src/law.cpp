@@ -31,10 +31,10 @@ void Law::Bind(const std::vector<vesper_property>& properties) {
 }
 
 void Law::Advance(const vesper_step& step) {
+  ++calls_;
   const auto start = std::chrono::steady_clock::now();
   CallForeign(label_, [&](vesper_error* error) { return desc_.advance(law_, &step, error); });
   const auto spent = std::chrono::steady_clock::now() - start;
-  ++calls_;
   nanoseconds_ += static_cast<uint64_t>(
       std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
 }

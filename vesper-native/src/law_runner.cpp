@@ -144,11 +144,10 @@ class GuardedRunner final : public LawRunner {
     const vesper_property& target = (*targets_)[i];
     if (seen.row_count == 0 || std::memcmp(seen.data, target.data, ByteSize(seen)) == 0) return;
     const size_t row_size = ByteSize(seen) / seen.row_count;
+    const auto* found = static_cast<const std::byte*>(seen.data);
+    const auto* expected = static_cast<const std::byte*>(target.data);
     uint64_t row = 0;
-    while (std::memcmp(static_cast<const std::byte*>(seen.data) + row * row_size,
-                       static_cast<const std::byte*>(target.data) + row * row_size, row_size) == 0) {
-      ++row;
-    }
+    while (std::memcmp(found + row * row_size, expected + row * row_size, row_size) == 0) ++row;
     throw Misbehaved(law_, seen, row, "declared READ, but the row was changed");
   }
 

@@ -13,6 +13,7 @@ namespace vesper {
 namespace {
 
 constexpr uint32_t kMaxStages = 16;
+constexpr const char* kBadUnit = "unit has no finite positive scale or no symbol end";
 constexpr uint32_t kAllClaims = VESPER_CLAIM_MOMENTUM | VESPER_CLAIM_ANGULAR_MOMENTUM |
                                 VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION;
 
@@ -39,13 +40,14 @@ bool IsVersion(const char* text) {
          text[length] == '\0';
 }
 
-void CheckUse(const vesper_property_use& use, const vesper_law_desc& law, const std::string& where) {
+void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
+              const std::string& where) {
   Require(IsValidName(use.name), where, "a property use has no valid name");
   const std::string name = where + ", property " + use.name;
   Require(IsValidName(use.kind), name, "kind is no valid name");
   Require(ScalarSize(use.scalar_type) != 0, name, "unknown scalar_type");
   Require(use.components > 0, name, "components is 0");
-  Require(IsValidUnit(use.unit), name, "unit has no finite positive scale or no symbol end");
+  Require(IsValidUnit(use.unit), name, kBadUnit);
   Require((use.flags & ~VESPER_USE_OPTIONAL) == 0, name, "unknown flags");
   Require(use.access >= VESPER_READ && use.access <= VESPER_ACCUMULATE, name,
           "access must be READ, WRITE, READ_WRITE or ACCUMULATE");
@@ -73,8 +75,9 @@ void CheckParameters(const vesper_law_desc& law, const std::string& where) {
     Require(IsValidName(parameter.name), where, "a parameter has no valid name");
     const std::string name = where + ", parameter " + parameter.name;
     Require(parameter.doc != nullptr, name, "doc is null");
-    Require(IsValidUnit(parameter.unit), name, "unit has no finite positive scale or no symbol end");
-    Require(std::isfinite(parameter.default_value) && parameter.default_value >= parameter.minimum &&
+    Require(IsValidUnit(parameter.unit), name, kBadUnit);
+    Require(std::isfinite(parameter.default_value) &&
+                parameter.default_value >= parameter.minimum &&
                 parameter.default_value <= parameter.maximum,
             name, "default_value is not within minimum and maximum");
     for (uint32_t j = 0; j < i; ++j) {

@@ -90,7 +90,7 @@ std::vector<std::byte> ReadStable(const std::string& path, const std::string& so
   }
   struct stat after{};
   if (done != bytes.size() || fstat(file.get(), &after) != 0 || !SameVersion(before, after)) {
-    throw LoadFailure(source, "the file changed while it was read; load it again when it is complete");
+    throw LoadFailure(source, "the file changed while it was read; load it when it is complete");
   }
   return bytes;
 }

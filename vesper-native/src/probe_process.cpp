@@ -52,7 +52,7 @@ Descriptor DuplicateForProbe(int fd) {
   return Descriptor(fcntl(fd, F_DUPFD_CLOEXEC, kProbeReportFd + 1), "descriptor for the probe");
 }
 
-/// Which descriptors the probe sees, and how it starts: default signals, a process group of its own.
+/// Which descriptors the probe sees, and how it starts: default signals, its own process group.
 class SpawnSetup {
  public:
   SpawnSetup(int library, int report) {
@@ -70,8 +70,8 @@ class SpawnSetup {
     sigfillset(&signals);
     posix_spawnattr_setsigdefault(&attributes_, &signals);
     posix_spawnattr_setpgroup(&attributes_, 0);
-    posix_spawnattr_setflags(&attributes_,
-                             POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
+    posix_spawnattr_setflags(
+        &attributes_, POSIX_SPAWN_SETSIGMASK | POSIX_SPAWN_SETSIGDEF | POSIX_SPAWN_SETPGROUP);
   }
   ~SpawnSetup() {
     posix_spawnattr_destroy(&attributes_);

@@ -108,7 +108,8 @@ TEST_P(ProviderTest, AddRejectsImpossibleArrays) {
     });
   };
   EXPECT_REFUSED(INVALID_ARGUMENT, "data is null", add(nullptr, 4, 4));
-  EXPECT_REFUSED(COUNT_MISMATCH, "value_count 3, expected object_count 4", add(values.data(), 3, 4));
+  EXPECT_REFUSED(COUNT_MISMATCH, "value_count 3, expected object_count 4",
+                 add(values.data(), 3, 4));
   EXPECT_REFUSED(INVALID_ARGUMENT, "not aligned",
                  add(reinterpret_cast<char*>(values.data()) + 4, 2, 2));
   EXPECT_REFUSED(INVALID_ARGUMENT, "does not fit memory", add(values.data(), ~0ull, ~0ull));
@@ -190,7 +191,7 @@ TEST_P(ProviderTest, SharedValuesCannotBeWritten) {
     });
   };
   EXPECT_OK(share());
-  EXPECT_REFUSED(ACCESS_CONFLICT, "property position: asks for READ_WRITE, but its values are shared",
+  EXPECT_REFUSED(ACCESS_CONFLICT, "position: asks for READ_WRITE, but its values are shared",
                  engine.TryLoad("euler"));
   EXPECT_OK(Remove(engine, "position"));
   engine.Load("euler");

@@ -102,7 +102,9 @@ vesper_error TestEngine::Advance(double dt, uint32_t steps) {
 
 uint64_t TestEngine::StateHash() {
   uint64_t hash = 0;
-  EXPECT_OK(Try([&](vesper_error* error) { return vesper_engine_state_hash(get(), &hash, error); }));
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_state_hash(get(), &hash, error);
+  }));
   return hash;
 }
 

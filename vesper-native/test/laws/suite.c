@@ -48,8 +48,9 @@ static const vesper_property_use kUses[] = {
     REAL_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
 static const vesper_parameter_desc kParameters[] = {
     PARAMETER("fail", VESPER_UNIT_ONE, 0, 0, 1)};
-#define SUITE_LAW(name)                                                                            \
-  {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "Counts.", VESPER_PHASE_OBSERVE, 0, USE_COUNT, \
-   PARAMETER_COUNT, kUses, kParameters, 0, 0, CreateLogged, Bind, Act, DestroyLogged, NULL}
+#define SUITE_LAW(name)                                                                     \
+  {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "Counts.", VESPER_PHASE_OBSERVE, 0,  \
+   USE_COUNT, PARAMETER_COUNT, kUses, kParameters, 0, 0, CreateLogged, Bind, Act,           \
+   DestroyLogged, NULL}
 static const vesper_law_desc kLaws[] = {SUITE_LAW("first"), SUITE_LAW("second")};
 LIBRARY("suite", kLaws, Open, Close)

@@ -1,0 +1,47 @@
+// The frame path allocates nothing: counted through this program's own operator new, which the
+// engine's library resolves to as well.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "test_kit.hpp"
+
+namespace {
+
+std::atomic<uint64_t> allocations = 0;
+
+}  // namespace
+
+[[gnu::noinline]] void* operator new(size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, size_t) noexcept { std::free(memory); }
+
+namespace vesper::test {
+namespace {
+
+class AllocationTest : public BothModes {};
+IN_BOTH_MODES(AllocationTest);
+
+TEST_P(AllocationTest, AdvanceAllocatesNothingOnceBound) {
+  Bodies bodies(3000);
+  TestEngine engine(Options());
+  const uint64_t start = allocations;
+  engine.AddBodies(bodies);
+  EXPECT_OK(engine.Add("appliedForce", bodies.applied, 3));
+  engine.Load("field");
+  engine.Load("push");
+  engine.Load("euler");
+  EXPECT_OK(engine.Advance(0.01, 1));
+  ASSERT_GT(allocations, start) << "the engine's allocations are not counted";
+  const uint64_t bound = allocations;
+  const vesper_status status = vesper_engine_advance(engine.get(), 0.01, 50, nullptr);
+  EXPECT_EQ(allocations, bound);
+  EXPECT_EQ(status, VESPER_OK);
+}
+
+}  // namespace
+}  // namespace vesper::test
