@@ -22,9 +22,8 @@ def vectors(name: str) -> List[Any]:
     return [json.loads(line) for line in (PROTOCOL / "vectors" / name).read_text("utf-8").splitlines()]
 
 
-@contextlib.contextmanager
-def pond() -> Iterator[int]:
-    """A server with the world of pond.yaml, as a process of its own; yields its port."""
+def java(source: str, *arguments: str) -> List[str]:
+    """The command that runs a Java source file against the project's classes."""
     class_path = os.environ.get("REVE_TEST_CLASSPATH")
     java_home = os.environ.get("REVE_JAVA_HOME")
     if not class_path or not java_home:
@@ -32,7 +31,13 @@ def pond() -> Iterator[int]:
             "these tests start the Java server: set REVE_TEST_CLASSPATH to its class path and "
             "REVE_JAVA_HOME to a JDK 25, or run `./reve test`, which does"
         )
-    command = [f"{java_home}/bin/java", "-cp", class_path, str(HERE / "PondServer.java"), str(HERE / "pond.yaml")]
+    return [f"{java_home}/bin/java", "-cp", class_path, source, *arguments]
+
+
+@contextlib.contextmanager
+def pond() -> Iterator[int]:
+    """A server with the world of pond.yaml, as a process of its own; yields its port."""
+    command = java(str(HERE / "PondServer.java"), str(HERE / "pond.yaml"))
     server = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
     try:
         assert server.stdin is not None and server.stdout is not None
