@@ -44,7 +44,7 @@ final class ActionReader {
         if (!node.isMapping()) {
             return Optional.empty();
         }
-        Map<String, Parameter> parameters = parameters(node);
+        Map<String, Optional<Parameter>> parameters = parameters(node);
         List<Effect> effects = new ArrayList<>();
         for (Node effect : node.get("effects").map(Node::children).orElse(List.of())) {
             effect(effect, node.key(), parameters, owner).ifPresent(effects::add);
@@ -52,36 +52,40 @@ final class ActionReader {
         try {
             return Optional.of(new DeclaredAction(node.key(),
                     node.get("doc").flatMap(Node::text).orElse(""),
-                    List.copyOf(parameters.values()), effects));
+                    parameters.values().stream().flatMap(Optional::stream).toList(), effects));
         } catch (IllegalArgumentException refused) {
             problems.addAtKey(node, refused.getMessage());
             return Optional.empty();
         }
     }
 
-    private Map<String, Parameter> parameters(Node action) {
-        Map<String, Parameter> parameters = new LinkedHashMap<>();
+    /** By name; empty where the declaration is wrong, which is reported here and only here. */
+    private Map<String, Optional<Parameter>> parameters(Node action) {
+        Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();
         for (Node node : action.get("parameters").map(Node::children).orElse(List.of())) {
-            ParameterType type = switch (node.get("type").flatMap(Node::text).orElse("number")) {
-                case "text" -> ParameterType.TEXT;
-                case "truth" -> ParameterType.TRUTH;
-                default -> ParameterType.NUMBER;
-            };
-            PrototypeReader.unit(node, problems).ifPresent(unit -> {
-                try {
-                    parameters.put(node.key(), new Parameter(node.key(), type,
-                            PrototypeReader.components(node), unit,
-                            node.get("doc").flatMap(Node::text).orElse("")));
-                } catch (IllegalArgumentException refused) {
-                    problems.addAtKey(node, refused.getMessage());
-                }
-            });
+            parameters.put(node.key(), PrototypeReader.unit(node, problems)
+                    .flatMap(unit -> parameter(node, unit)));
         }
         return parameters;
     }
 
-    private Optional<Effect> effect(Node node, String action, Map<String, Parameter> parameters,
-            Owner owner) {
+    private Optional<Parameter> parameter(Node node, Unit unit) {
+        ParameterType type = switch (node.get("type").flatMap(Node::text).orElse("number")) {
+            case "text" -> ParameterType.TEXT;
+            case "truth" -> ParameterType.TRUTH;
+            default -> ParameterType.NUMBER;
+        };
+        try {
+            return Optional.of(new Parameter(node.key(), type, PrototypeReader.components(node),
+                    unit, node.get("doc").flatMap(Node::text).orElse("")));
+        } catch (IllegalArgumentException refused) {
+            problems.addAtKey(node, refused.getMessage());
+            return Optional.empty();
+        }
+    }
+
+    private Optional<Effect> effect(Node node, String action,
+            Map<String, Optional<Parameter>> parameters, Owner owner) {
         List<Node> given = EFFECTS.stream().map(node::get).flatMap(Optional::stream).toList();
         if (given.size() != 1) {
             if (node.isMapping()) {
@@ -107,7 +111,8 @@ final class ActionReader {
         };
     }
 
-    private Optional<Effect> impulse(Node node, Map<String, Parameter> parameters, Owner owner) {
+    private Optional<Effect> impulse(Node node, Map<String, Optional<Parameter>> parameters,
+            Owner owner) {
         if (!owner.kind.equals(WorldPrototype.BODY)) {
             problems.addAtKey(node, "only bodies take an impulse, this is a " + owner.kind);
             return Optional.empty();
@@ -119,7 +124,7 @@ final class ActionReader {
                 .map(Effect.Impulse::new);
     }
 
-    private Optional<Effect> set(Node what, Node to, Map<String, Parameter> parameters,
+    private Optional<Effect> set(Node what, Node to, Map<String, Optional<Parameter>> parameters,
             Owner owner) {
         String target = what.text().orElse("");
         if (target.equals(COLOUR) && owner.kind.equals(WorldPrototype.BODY)) {
@@ -152,7 +157,8 @@ final class ActionReader {
         return owner.hasPhysics;
     }
 
-    private Optional<Effect> symbol(Node what, Node to, Map<String, Parameter> parameters) {
+    private Optional<Effect> symbol(Node what, Node to,
+            Map<String, Optional<Parameter>> parameters) {
         Optional<String> name = what.text();
         if (name.isEmpty()) {
             return Optional.empty();
@@ -165,9 +171,9 @@ final class ActionReader {
         return symbolValue(to, parameters).map(value -> new Effect.SetSymbol(name.get(), value));
     }
 
-    private Optional<Operand> symbolValue(Node to, Map<String, Parameter> parameters) {
+    private Optional<Operand> symbolValue(Node to, Map<String, Optional<Parameter>> parameters) {
         if (isParameter(to)) {
-            return parameter(to, parameters).filter(parameter -> {
+            return named(to, parameters).filter(parameter -> {
                 if (parameter.components() != 1) {
                     problems.add(to, to.label() + ": a symbol takes one value, $"
                             + parameter.name() + " has " + parameter.components());
@@ -184,9 +190,9 @@ final class ActionReader {
                 : new Operand.Symbol(value));
     }
 
-    private Optional<Operand> colour(Node to, Map<String, Parameter> parameters) {
+    private Optional<Operand> colour(Node to, Map<String, Optional<Parameter>> parameters) {
         if (isParameter(to)) {
-            return parameter(to, parameters)
+            return named(to, parameters)
                     .filter(parameter -> isText(to, parameter)).map(Operand.Argument::new);
         }
         try {
@@ -218,9 +224,9 @@ final class ActionReader {
     }
 
     private Optional<Operand> numbers(Node node, int count, Unit unit, ScalarType type,
-            Map<String, Parameter> parameters) {
+            Map<String, Optional<Parameter>> parameters) {
         if (isParameter(node)) {
-            return parameter(node, parameters)
+            return named(node, parameters)
                     .filter(parameter -> suits(node, parameter, count, unit))
                     .map(Operand.Argument::new);
         }
@@ -253,13 +259,15 @@ final class ActionReader {
         return node.text().filter(text -> text.startsWith("$")).isPresent();
     }
 
-    private Optional<Parameter> parameter(Node node, Map<String, Parameter> parameters) {
+    /** The parameter that a value such as {@code $p} names. */
+    private Optional<Parameter> named(Node node, Map<String, Optional<Parameter>> parameters) {
         String name = node.text().orElseThrow().substring(1);
-        Optional<Parameter> parameter = Optional.ofNullable(parameters.get(name));
-        if (parameter.isEmpty()) {
+        Optional<Parameter> declared = parameters.get(name);
+        if (declared == null) {
             problems.add(node, node.label() + ": the action has no parameter `"
                     + Node.shorten(name) + "`" + Suggestion.of(name, parameters.keySet()));
+            return Optional.empty();
         }
-        return parameter;
+        return declared;
     }
 }

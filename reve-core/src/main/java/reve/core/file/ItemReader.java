@@ -29,10 +29,10 @@ final class ItemReader {
     /** One mention of another item, to be resolved when all items are known. */
     private record Reference(Node target, String property, String kind) {}
 
-    ItemReader(WorldPrototype prototype, Problems problems) {
+    ItemReader(WorldPrototype prototype, PhysicsReader physics, Problems problems) {
         this.prototype = prototype;
         this.problems = problems;
-        this.physics = new PhysicsReader(prototype, problems);
+        this.physics = physics;
         this.physical = new PhysicalReader(prototype, physics, problems);
         this.actions = new ActionReader(physics, problems);
     }

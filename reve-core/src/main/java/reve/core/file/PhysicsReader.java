@@ -5,6 +5,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.WorldPrototype;
@@ -12,11 +13,14 @@ import reve.core.world.WorldPrototype;
 /** Reads physics aspects; the prototype says which properties there are, of which type and unit. */
 final class PhysicsReader {
     private final WorldPrototype prototype;
+    private final Set<String> misdeclared;
     private final Problems problems;
     private final Quantities quantities;
 
-    PhysicsReader(WorldPrototype prototype, Problems problems) {
+    /** @param misdeclared names of properties whose declaration was refused: say no more of them */
+    PhysicsReader(WorldPrototype prototype, Set<String> misdeclared, Problems problems) {
         this.prototype = prototype;
+        this.misdeclared = misdeclared;
         this.problems = problems;
         this.quantities = new Quantities(problems);
     }
@@ -63,12 +67,21 @@ final class PhysicsReader {
         return values;
     }
 
-    /** The property of that kind and name; empty and a problem at {@code where} if unknown. */
+    /**
+     * The property of that kind and name; empty and a problem noted if unknown.
+     *
+     * @param where the node that has the name as its key, or in its value
+     */
     Optional<PropertyDescriptor> find(Node where, String name, String kind) {
         Optional<PropertyDescriptor> property = prototype.find(kind, name);
-        if (property.isEmpty()) {
-            problems.addAtKey(where, "unknown physics property `" + Node.shorten(name)
-                    + "` of kind " + kind + hint(name, kind));
+        if (property.isEmpty() && !misdeclared.contains(name)) {
+            String message = "unknown physics property `" + Node.shorten(name) + "` of kind "
+                    + kind + hint(name, kind);
+            if (where.key().equals(name)) {
+                problems.addAtKey(where, message);
+            } else {
+                problems.add(where, message);
+            }
         }
         return property;
     }

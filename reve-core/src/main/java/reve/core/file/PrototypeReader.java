@@ -1,7 +1,9 @@
 package reve.core.file;
 
+import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
+import java.util.Set;
 import reve.core.unit.Unit;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
@@ -10,17 +12,24 @@ import reve.core.world.WorldPrototype;
 /** Reads {@code prototype} and {@code properties}: which properties the items of a world have. */
 final class PrototypeReader {
     private final Problems problems;
+    private final Set<String> misdeclared = new HashSet<>();
 
     PrototypeReader(Problems problems) {
         this.problems = problems;
     }
 
+    /** The standard prototype that the file names, with the properties that it declares. */
     WorldPrototype read(Node root) {
         WorldPrototype prototype = standard(root);
         for (Node property : root.get("properties").map(Node::children).orElse(List.of())) {
             prototype = extend(prototype, property);
         }
         return prototype;
+    }
+
+    /** Names of the properties whose declaration was refused. */
+    Set<String> misdeclared() {
+        return misdeclared;
     }
 
     /** The unit under the key {@code unit}, else 1; empty and a problem if it is wrong. */
@@ -53,6 +62,7 @@ final class PrototypeReader {
         Optional<String> kind = node.get("kind").flatMap(Node::text);
         Optional<Unit> unit = unit(node, problems);
         if (name.isEmpty() || kind.isEmpty() || unit.isEmpty()) {
+            name.ifPresent(misdeclared::add);
             return prototype;
         }
         ScalarType type = switch (node.get("type").flatMap(Node::text).orElse("real")) {
@@ -66,6 +76,7 @@ final class PrototypeReader {
                     node.get("doc").flatMap(Node::text).orElse(""))));
         } catch (IllegalArgumentException refused) {
             problems.add(node.get("name").orElseThrow(), refused.getMessage());
+            misdeclared.add(name.get());
             return prototype;
         }
     }

@@ -25,12 +25,14 @@ final class WorldReader {
     }
 
     WorldDescription read(Node root) throws WorldFileException {
-        WorldPrototype prototype = new PrototypeReader(problems).read(root);
-        var itemReader = new ItemReader(prototype, problems);
+        var prototypeReader = new PrototypeReader(problems);
+        WorldPrototype prototype = prototypeReader.read(root);
+        var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
+        var itemReader = new ItemReader(prototype, physics, problems);
         List<ItemDefinition> items = itemReader.readAll(root);
         List<LawReference> laws = laws(root);
         Map<String, double[]> constants = root.get("constants")
-                .map(new PhysicsReader(prototype, problems)::constants).orElse(Map.of());
+                .map(physics::constants).orElse(Map.of());
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
         AgentPolicy agents = root.get("agents").map(node -> agents(node, itemReader))
                 .orElse(AgentPolicy.none());
