@@ -16,6 +16,7 @@ import org.jspecify.annotations.Nullable;
 final class LineReader {
 
     private static final int INITIAL_BYTES = 1024;
+    private static final int KEPT_BYTES = 16 * 1024;
 
     private final Socket socket;
     private final InputStream in;
@@ -82,7 +83,12 @@ final class LineReader {
         if (end - start >= config.lineBytes()) {
             throw Ending.cut("line-too-long", "a line is longer than " + config.lineBytes() + " bytes");
         }
-        if (start > 0) {
+        if (start == end && buffer.length > KEPT_BYTES) {
+            buffer = new byte[INITIAL_BYTES]; // a long line is behind us
+            start = 0;
+            searched = 0;
+            end = 0;
+        } else if (start > 0) {
             System.arraycopy(buffer, start, buffer, 0, end - start);
             searched -= start;
             end -= start;

@@ -182,8 +182,10 @@ final class Session {
             end(e);
         } catch (IOException e) {
             end(Ending.regular("lost", "the connection broke"));
+        } catch (RuntimeException e) {
+            server.log().error("serving a connection failed", e);
+            end(Ending.regular("failed", "the server has an error; its log says more"));
         } finally {
-            end(Ending.regular("lost", "the server failed to serve this connection"));
             letGo();
             server.forget(this);
         }

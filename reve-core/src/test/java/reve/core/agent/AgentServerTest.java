@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
 
 import java.io.IOException;
+import java.lang.management.ManagementFactory;
 import java.net.InetSocketAddress;
 import java.util.ArrayList;
 import java.util.List;
@@ -398,6 +399,29 @@ class AgentServerTest {
     }
 
     // ---- the server itself ----
+
+    @Test
+    void theWorldsThreadAllocatesNothingForAgentsThatOnlyPerceive() throws IOException {
+        var threads = (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
+        List<TestClient> agents = new ArrayList<>();
+        for (int i = 0; i < 20; i++) {
+            agents.add(room.connect().say("{'t':'hello','protocol':1,'name':'agent%d'}".formatted(i))
+                    .say("{'t':'perceive','every':1}").sync());
+        }
+        for (int i = 0; i < 2000; i++) {
+            room.step();
+        }
+        long before = threads.getCurrentThreadAllocatedBytes();
+        for (int i = 0; i < 1000; i++) {
+            room.step();
+        }
+        long allocated = threads.getCurrentThreadAllocatedBytes() - before;
+        assertThat(allocated / 1000).as("bytes per frame").isZero();
+        assertThat(room.server.stats().perceptions()).isGreaterThan(20);
+        for (TestClient agent : agents) {
+            agent.close();
+        }
+    }
 
     @Test
     void closingSaysByeToEverybody() throws IOException {
