@@ -16,7 +16,7 @@
 
 #if defined(__SANITIZE_ADDRESS__)
 // The probe is there to crash: signals have to end it, not the sanitizer's own exit code.
-extern "C" const char* __asan_default_options() {
+extern "C" [[gnu::visibility("default")]] const char* __asan_default_options() {
   return "handle_segv=0:handle_sigbus=0:handle_abort=0";
 }
 #endif
