@@ -22,7 +22,9 @@ final class RenderProcess {
     RenderProcess(Path program) throws IOException {
         process = new ProcessBuilder(List.of(program.toString())).start();
         stream = new SceneStream(process.getOutputStream(), process.getInputStream());
-        errorReader = Thread.ofVirtual().name("vesper-render errors").start(this::keepErrors);
+        // No virtual thread: reading a pipe would hold its carrier for as long as the process lives.
+        errorReader = Thread.ofPlatform().daemon().name("vesper-render errors")
+                .start(this::keepErrors);
     }
 
     SceneStream stream() {

@@ -5,6 +5,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.concurrent.ScheduledThreadPoolExecutor;
+import java.util.concurrent.ThreadPoolExecutor;
 import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.ReentrantLock;
@@ -42,7 +43,8 @@ public final class Renderer implements AutoCloseable {
         this.program = nativeFolder.resolve("vesper-render");
         this.deadline = deadline;
         this.watch = new ScheduledThreadPoolExecutor(1,
-                Thread.ofPlatform().daemon().name("vesper-render deadline").factory());
+                Thread.ofPlatform().daemon().name("vesper-render deadline").factory(),
+                new ThreadPoolExecutor.DiscardPolicy());
         watch.setRemoveOnCancelPolicy(true);
     }
 
@@ -51,6 +53,7 @@ public final class Renderer implements AutoCloseable {
      *
      * @return a PNG
      * @throws RenderException if there is no picture; the next one may succeed
+     * @throws IllegalStateException if a row of the scene lacks a value
      */
     public byte[] render(Scene scene) {
         return picture(scene, "");
@@ -70,10 +73,7 @@ public final class Renderer implements AutoCloseable {
     public void close() {
         closed = true;
         watch.shutdownNow();
-        RenderProcess live = process;
-        if (live != null) {
-            live.kill();
-        }
+        killRunning();
     }
 
     /** Process id of the running program, -1 if none runs. */
@@ -83,6 +83,7 @@ public final class Renderer implements AutoCloseable {
     }
 
     private byte[] picture(Scene scene, String path) {
+        scene.requireComplete();
         one.lock();
         try {
             for (int attempt = 1; ; attempt++) {
@@ -99,12 +100,12 @@ public final class Renderer implements AutoCloseable {
     }
 
     private byte[] attempt(Scene scene, String path, AtomicBoolean expired) throws IOException {
-        RenderProcess live = running();
         var alarm = watch.schedule(() -> {
             expired.set(true);
-            live.kill();
+            killRunning();
         }, deadline.toNanos(), TimeUnit.NANOSECONDS);
         try {
+            RenderProcess live = running();
             SceneStream.Answer answer = live.stream().render(scene, path);
             return switch (answer.status()) {
                 case SceneStream.OK -> answer.payload();
@@ -116,6 +117,13 @@ public final class Renderer implements AutoCloseable {
             };
         } finally {
             alarm.cancel(false);
+        }
+    }
+
+    private void killRunning() {
+        RenderProcess live = process;
+        if (live != null) {
+            live.kill();
         }
     }
 
@@ -131,7 +139,7 @@ public final class Renderer implements AutoCloseable {
         }
         RenderProcess started = new RenderProcess(program);
         process = started;
-        if (closed) {
+        if (closed) { // and close() may have missed the new process
             started.kill();
         }
         SceneStream.Answer hello = started.stream().hello();
@@ -141,22 +149,29 @@ public final class Renderer implements AutoCloseable {
         return started;
     }
 
-    /** Returns if another attempt is worth while. */
+    /** Ends the process, whose answers cannot be trusted now; returns if another try makes sense. */
     private void explain(IOException cut, boolean expired, int attempt) {
-        RenderProcess dead = process;
+        RenderProcess broken = process;
         process = null;
-        if (closed) {
-            throw new RenderException("the renderer was closed before the picture was done", cut);
-        }
-        if (expired) {
-            throw new RenderException("no picture within " + deadline.toMillis()
-                    + " ms, so vesper-render was ended; ask for a smaller picture, fewer samples, "
-                    + "no shadows, or allow it more time", cut);
-        }
-        if (attempt == ATTEMPTS) {
-            String end = dead == null ? cut.getMessage() : dead.describeEnd();
-            throw new RenderException("no picture in " + ATTEMPTS + " attempts: vesper-render "
-                    + end, cut);
+        try {
+            if (closed) {
+                throw new RenderException("the renderer was closed before the picture was done",
+                        cut);
+            }
+            if (expired) {
+                throw new RenderException("no picture within " + deadline.toMillis()
+                        + " ms, so vesper-render was ended; ask for a smaller picture, fewer "
+                        + "samples, no shadows, or allow it more time", cut);
+            }
+            if (attempt == ATTEMPTS) {
+                String end = broken == null ? cut.getMessage() : broken.describeEnd();
+                throw new RenderException("no picture in " + ATTEMPTS
+                        + " attempts: vesper-render " + end, cut);
+            }
+        } finally {
+            if (broken != null) {
+                broken.kill();
+            }
         }
     }
 }

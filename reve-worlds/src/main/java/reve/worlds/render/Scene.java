@@ -57,6 +57,13 @@ public final class Scene {
         return segments.computeIfAbsent(widthPixels, width -> new Segments());
     }
 
+    /** @throws IllegalStateException if a row lacks a value */
+    void requireComplete() {
+        simple.values().forEach(Instances::count);
+        meshes.values().forEach(Instances::count);
+        segments.values().forEach(Segments::count);
+    }
+
     Map<Integer, Instances> simple() {
         return Collections.unmodifiableMap(simple);
     }

@@ -1,0 +1,152 @@
+package reve.worlds.render;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import java.nio.file.Path;
+import java.util.Optional;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+import reve.core.derive.BoundingBoxes;
+import reve.core.world.Colour;
+import reve.core.world.ItemDefinition;
+import reve.core.world.OffHeapArena;
+import reve.core.world.Shape;
+import reve.core.world.SnapshotRing;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+import reve.core.world.WorldSnapshot;
+
+class SceneBuilderIT {
+
+    private static final Environment FLAT = new Environment(Colour.parse("#000000"),
+            Colour.parse("#000000"), new Point(0, 0, 1), 0, 1);
+    private static final ImageFormat SMALL = new ImageFormat(200, 200, 0, false);
+    /** Looks along -z at 20 x 20 m, 10 pixels per metre. */
+    private static final Camera FRONT = Camera.orthographic(new Point(0, 0, 50),
+            new Point(0, 0, 0), new Point(0, 1, 0), 20);
+
+    private static World world(String prototype) {
+        return new World("test", WorldPrototype.standard(prototype), new OffHeapArena());
+    }
+
+    private static ItemDefinition.Builder ball(String name, String colour) {
+        return ItemDefinition.named(name).shape(Shape.sphere(1)).colour(colour);
+    }
+
+    private static WorldSnapshot snapshot(World world) {
+        BoundingBoxes.update(world);
+        var ring = new SnapshotRing(world, 2);
+        ring.publish(1, 0);
+        return ring.acquireLatest().orElseThrow();
+    }
+
+    private static Scene build(World world, Optional<Camera> camera) {
+        try (WorldSnapshot snapshot = snapshot(world)) {
+            return new SceneBuilder(SMALL, FLAT, camera).build(snapshot);
+        }
+    }
+
+    private static Picture draw(World world, Optional<Camera> camera) {
+        try (var renderer = new Renderer(
+                Path.of(System.getProperty("reve.native.path", "build/native")),
+                Renderer.DEFAULT_DEADLINE)) {
+            return Picture.decode(renderer.render(build(world, camera)));
+        }
+    }
+
+    private static boolean isMostly(int rgb, int shift) {
+        int wanted = rgb >> shift & 0xff;
+        return wanted > 2 * ((rgb >> (shift + 8) % 24) & 0xff)
+                && wanted > 2 * ((rgb >> (shift + 16) % 24) & 0xff);
+    }
+
+    @ParameterizedTest
+    @ValueSource(strings = {"si-f32", "si-f64"})
+    void bodiesAndSpringsShowWhereTheyAre(String prototype) {
+        World world = world(prototype);
+        world.add(ball("red", "#ff0000").at(-5, 5, 0).physics("mass", 1).build());
+        world.add(ItemDefinition.named("blue").shape(Shape.box(4, 2, 2)).colour("#0000ff")
+                .at(5, 5, 0).physics("mass", 1).build());
+        world.add(ItemDefinition.named("green").colour("#00ff00").at(0, -5, 0)
+                .shape(Shape.mesh(new float[] {-2, -1, 0, 2, -1, 0, 0, 2, 0},
+                        new int[] {0, 1, 2})).build());
+        world.add(ItemDefinition.named("spring").kind("spring").physics("springConstant", 1)
+                .physics("length", 1).reference("end1", "red").reference("end2", "blue").build());
+        Picture picture = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(picture.at(50, 50), 16)).isTrue();
+        assertThat(isMostly(picture.at(150, 50), 0)).isTrue();
+        assertThat(isMostly(picture.at(100, 150), 8)).isTrue();
+        assertThat(picture.at(100, 50)).as("spring").isEqualTo(0x6e7682);
+        assertThat(picture.at(100, 40)).as("above the spring").isZero();
+        assertThat(picture.at(25, 50)).as("beyond the spring").isZero();
+        assertThat(picture.count(rgb -> isMostly(rgb, 0))).isEqualTo(40 * 20);
+    }
+
+    @Test
+    void aTurnedBodyIsShownTurned() {
+        World world = world("si-f64");
+        double half = Math.sqrt(0.5);
+        world.add(ItemDefinition.named("bar").shape(Shape.box(8, 1, 1)).colour("#ff0000")
+                .orientation(0, 0, half, half).build());
+        Picture picture = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(picture.at(100, 65), 16)).isTrue();
+        assertThat(isMostly(picture.at(65, 100), 16)).isFalse();
+    }
+
+    @Test
+    void withoutACameraAllBodiesAreInThePicture() {
+        World world = world("si-f64");
+        world.add(ball("red", "#ff0000").at(-300, 40, 0).build());
+        world.add(ball("blue", "#0000ff").at(-280, 55, 8).build());
+        world.add(ItemDefinition.named("ground").shape(Shape.plane(2000, 2000))
+                .colour("#808080").build());
+        Picture picture = draw(world, Optional.empty());
+        assertThat(picture.count(rgb -> isMostly(rgb, 16))).isGreaterThan(50);
+        assertThat(picture.count(rgb -> isMostly(rgb, 0))).isGreaterThan(50);
+    }
+
+    @Test
+    void boundsLeavePlanesAndShapelessBodiesOut() {
+        World world = world("si-f64");
+        world.add(ItemDefinition.named("ground").shape(Shape.plane(60, 40)).build());
+        world.add(ItemDefinition.named("place").at(1000, 0, 0).build());
+        try (WorldSnapshot snapshot = snapshot(world)) {
+            assertThat(SceneBuilder.bounds(snapshot)).contains(
+                    new Bounds(new Point(-30, 0, -20), new Point(30, 0, 20)));
+        }
+        world.add(ball("red", "#ff0000").at(3, 4, 5).build());
+        try (WorldSnapshot snapshot = snapshot(world)) {
+            assertThat(SceneBuilder.bounds(snapshot)).contains(
+                    new Bounds(new Point(2, 3, 4), new Point(4, 5, 6)));
+        }
+    }
+
+    @Test
+    void aWorldWithoutPlanesStandsOverAGround() {
+        World world = world("si-f64");
+        assertThat(build(world, Optional.empty()).instances(Shape.PLANE).count()).isEqualTo(1);
+        world.add(ItemDefinition.named("ground").shape(Shape.plane(60, 40)).build());
+        world.add(ItemDefinition.named("table").shape(Shape.plane(1, 1)).at(0, 1, 0).build());
+        assertThat(build(world, Optional.empty()).instances(Shape.PLANE).count()).isEqualTo(2);
+    }
+
+    @Test
+    void aLostSnapshotGivesNoScene() {
+        World world = world("si-f64");
+        world.add(ball("red", "#ff0000").build());
+        BoundingBoxes.update(world);
+        var ring = new SnapshotRing(world, 2);
+        ring.publish(1, 0);
+        try (WorldSnapshot old = ring.acquireLatest().orElseThrow()) {
+            for (int frame = 2; !old.lost(); frame++) {
+                ring.publish(frame, 0);
+                ring.acquireLatest().orElseThrow(); // kept, so that no slot is free
+            }
+            assertThatExceptionOfType(RenderException.class)
+                    .isThrownBy(() -> new SceneBuilder(SMALL, FLAT, Optional.empty()).build(old))
+                    .withMessageContaining("frame 1 was overwritten");
+        }
+    }
+}
