@@ -271,6 +271,23 @@ TEST(LibraryTest, SameNameNewCodeTakesTheNewCode) {
   }
 }
 
+/// Force of `law` after a library that the loader never lets go was loaded and unloaded.
+double ForceAfterOneThatStays(const char* law) {
+  Bodies bodies(1);
+  TestEngine engine;
+  engine.AddBodies(bodies);
+  engine.Unload(engine.Load("push_for_ever"));
+  engine.Load(law);
+  engine.Advance(1, 1);
+  return bodies.force[0];
+}
+
+TEST(LibraryTest, LibraryThatStaysMappedIsNotTakenForTheNextOne) {
+  // In a process of its own, for what stays mapped would spoil the other tests.
+  EXPECT_EXIT(std::exit(ForceAfterOneThatStays("push") == 1 ? 0 : 1), testing::ExitedWithCode(0),
+              "");
+}
+
 TEST(LibraryTest, NewCodeCanBePreparedWhileTheOldIsLoaded) {
   Bodies bodies(2);
   TestEngine engine;
