@@ -77,7 +77,8 @@ final class Node {
 
     /** How messages name this value: {@code mass}, {@code laws[2]}; empty for the root. */
     String label() {
-        return parent == null || key instanceof String ? key() : parent.label() + "[" + key + "]";
+        return parent == null || key instanceof String ? shorten(key())
+                : parent.label() + "[" + key + "]";
     }
 
     /** The JSON pointer from the root to here. */
@@ -144,9 +145,9 @@ final class Node {
         };
     }
 
+    /** The text or, of a long one, its beginning. */
     static String shorten(String text) {
-        String line = text.replaceAll("\\p{Cntrl}", " ");
-        return line.length() <= 48 ? line : line.substring(0, 47) + "…";
+        return text.length() <= 48 ? text : text.substring(0, 47) + "…";
     }
 
     @SuppressWarnings("unchecked") // by construction

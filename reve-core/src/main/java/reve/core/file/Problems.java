@@ -2,11 +2,14 @@ package reve.core.file;
 
 import java.util.ArrayList;
 import java.util.List;
+import java.util.regex.Pattern;
 
 /** Collects what is wrong with one file; stops taking more when nobody would read on. */
 final class Problems {
     /** Most problems that one report holds. */
     static final int MAX_REPORTED = 100;
+
+    private static final Pattern CONTROL_CHARACTER = Pattern.compile("\\p{Cc}");
 
     private final String file;
     private final List<Problem> found = new ArrayList<>();
@@ -31,7 +34,7 @@ final class Problems {
 
     void add(int line, int column, String pointer, String message) {
         if (!full()) {
-            found.add(new Problem(file, line, column, pointer, message));
+            found.add(problem(line, column, pointer, message));
         }
     }
 
@@ -52,8 +55,14 @@ final class Problems {
 
     /** Notes a problem after which reading on makes no sense. */
     WorldFileException fatal(int line, int column, String message) {
-        found.add(new Problem(file, line, column, "", message));
+        found.add(problem(line, column, "", message));
         return exception();
+    }
+
+    /** What a file contains must not control the terminal that shows the message. */
+    private Problem problem(int line, int column, String pointer, String message) {
+        return new Problem(file, line, column, pointer,
+                CONTROL_CHARACTER.matcher(message).replaceAll(" "));
     }
 
     private WorldFileException exception() {

@@ -10,6 +10,7 @@ import org.jspecify.annotations.Nullable;
 import org.snakeyaml.engine.v2.api.LoadSettings;
 import org.snakeyaml.engine.v2.api.lowlevel.Parse;
 import org.snakeyaml.engine.v2.events.AliasEvent;
+import org.snakeyaml.engine.v2.events.CollectionEndEvent;
 import org.snakeyaml.engine.v2.events.CollectionStartEvent;
 import org.snakeyaml.engine.v2.events.DocumentStartEvent;
 import org.snakeyaml.engine.v2.events.Event;
@@ -85,8 +86,9 @@ final class YamlReader {
                             "a second document begins here; a file holds one world");
                 }
             }
-            case AliasEvent alias -> throw fatal(alias.getStartMark(),
-                    "aliases (`*" + alias.getAlias() + "`) are not allowed; write the value out");
+            case AliasEvent alias -> throw fatal(alias.getStartMark(), "aliases (`"
+                    + Node.shorten("*" + alias.getAlias())
+                    + "`) are not allowed; write the value out");
             case CollectionStartEvent start -> {
                 refuseFeatures(start, start.getTag());
                 openCollection(start);
@@ -95,20 +97,15 @@ final class YamlReader {
                 refuseFeatures(scalar, scalar.getTag());
                 takeScalar(scalar);
             }
-            default -> closeIfEnd(event);
-        }
-    }
-
-    private void closeIfEnd(Event event) {
-        switch (event.getEventId()) {
-            case MappingEnd, SequenceEnd -> open.removeLast();
-            default -> { }
+            case CollectionEndEvent end -> open.removeLast();
+            default -> { } // begin and end of the stream and of its document
         }
     }
 
     private void refuseFeatures(NodeEvent event, Optional<String> tag) throws WorldFileException {
         if (event.getAnchor().isPresent()) {
-            throw fatal(event.getStartMark(), "anchors (`&" + event.getAnchor().get()
+            throw fatal(event.getStartMark(), "anchors (`"
+                    + Node.shorten("&" + event.getAnchor().get())
                     + "`) are not allowed; write values out where they are used");
         }
         if (tag.isPresent()) {

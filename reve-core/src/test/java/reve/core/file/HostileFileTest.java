@@ -134,6 +134,16 @@ class HostileFileTest {
     }
 
     @Test
+    void messagesCannotControlTheTerminal() {
+        for (String text : new String[] {"\"\\e[31m\": 1\n", "prototype: \"\\e[31m\"\n",
+            "constants: {softening: \"3 \\e[31m\"}\n", "items: [{name: \"\\e[31m\"}]\n",
+            "laws: [{name: a, parameters: {\"\\e\": \"\\x07\"}}]\n"}) {
+            assertThat(refused((START + text).getBytes(StandardCharsets.UTF_8)).getMessage())
+                    .as(text).doesNotContainPattern("\\p{Cc}");
+        }
+    }
+
+    @Test
     void manyWrongEntriesAreCutShort() {
         for (String text : new String[] {"laws: [" + "1,".repeat(300_000) + "]\n",
             "items: [" + "1,".repeat(300_000) + "]\n", "k: 1\n".repeat(300_000)}) {

@@ -2,9 +2,11 @@ package reve.core.unit;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
+import static org.assertj.core.api.Assertions.fail;
 import static org.assertj.core.api.Assertions.within;
 
 import java.util.Locale;
+import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
@@ -115,6 +117,32 @@ class UnitTest {
         assertThatThrownBy(() -> Unit.parse("(".repeat(1_000_000)))
                 .isInstanceOf(IllegalArgumentException.class)
                 .hasMessageContaining("longer than 64 characters");
+    }
+
+    @Test
+    void randomTextsAreUnitsOrRefusedInAnOrderlyWay() {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("UnitTest seed " + seed);
+        var random = new Random(seed);
+        String[] parts = {"m", "kg", "s", "°C", "deg", "k", "µ", "d", "ln", "%", "*", "·", "/", "^",
+            "(", ")", "-", "1", "2", "²", "9", " ", "e", "π", "Ω", "inf"};
+        int units = 0;
+        for (int n = 0; n < 20_000; n++) {
+            var text = new StringBuilder();
+            for (int i = random.nextInt(8); i >= 0; i--) {
+                text.append(parts[random.nextInt(parts.length)]);
+            }
+            try {
+                Unit unit = Unit.parse(text.toString());
+                assertThat(unit.scale()).as("%s, seed %d", text, seed).isPositive().isFinite();
+                units++;
+            } catch (IllegalArgumentException refused) {
+                assertThat(refused).as("seed %d", seed).hasMessageContaining("unit `");
+            } catch (RuntimeException | StackOverflowError crash) {
+                fail("seed " + seed + ", unit `" + text + "`", crash);
+            }
+        }
+        assertThat(units).as("units found, seed %d", seed).isPositive();
     }
 
     @Test
