@@ -17,8 +17,9 @@ namespace {
 
 using namespace vesper::render;
 
-constexpr const char* kHelp = R"(usage: vesper-render [--samples N]   serve: scene stream on standard input, answers on standard output
-       vesper-render --info           what the graphics library offers, as JSON
+constexpr const char* kHelp =
+    R"(usage: vesper-render [--samples N]   scene stream on standard input, answers on the output
+       vesper-render --info            what the graphics library offers, as JSON
        vesper-render --version
        vesper-render --help
 
@@ -28,7 +29,8 @@ Draws scenes on the CPU with the OSMesa library. The stream is described in SCEN
                 0 turns anti-aliasing off
 
 environment: LP_NUM_THREADS   threads that draw (default 2)
-exit codes:  0 the input ended   1 failure   2 usage   3 malformed scene stream   4 no graphics library
+exit codes:  0 the input ended   1 failure   2 usage   3 malformed scene stream
+             4 no graphics library
 )";
 
 /// JSON string literal of a text.

@@ -1,4 +1,5 @@
-// The scene stream of SCENE.md: message and answer layout, and the decoder, which needs no graphics.
+// The scene stream of SCENE.md: layout of messages and answers, and the decoder, which needs no
+// graphics.
 #pragma once
 
 #include <cstddef>

@@ -10,7 +10,13 @@
 namespace vesper::render {
 
 /// Exit codes of vesper-render.
-enum ExitCode { kExitOk = 0, kExitFailure = 1, kExitUsage = 2, kExitMalformed = 3, kExitGraphics = 4 };
+enum ExitCode {
+  kExitOk = 0,
+  kExitFailure = 1,
+  kExitUsage = 2,
+  kExitMalformed = 3,
+  kExitGraphics = 4
+};
 
 class Session {
  public:

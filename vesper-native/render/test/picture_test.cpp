@@ -104,7 +104,7 @@ TEST_F(PictureTest, SphereOfEverySizeIsRound) {
 }
 
 TEST_F(PictureTest, BoxFaceHasItsProjectedCorners) {
-  // The near face of a 4 x 2 x 2 box at depth 9: (+-2, +-1) / 9 against tan(fov / 2) per 150 pixels.
+  // The near face of a 4 x 2 x 2 box at depth 9: (+-2, +-1) / 9 against tan(fov / 2) in 150 px.
   const float fov = 0.7F;
   const Picture picture = Draw({Perspective({0, 0, 10}, {0, 0, 0}, fov),
                                 Instances(2, {Unlit({}, {4, 2, 2}, kGreen)})});
@@ -115,7 +115,7 @@ TEST_F(PictureTest, BoxFaceHasItsProjectedCorners) {
 }
 
 TEST_F(PictureTest, OrientationTurnsAnticlockwiseSeenFromItsAxis) {
-  // A bar along x, a quarter turn about z: along y. A further 30 degrees lowers its upper end to -x.
+  // A bar along x, a quarter turn about z: along y. 30 degrees more lean its upper end to -x.
   const auto about_z = [](float angle) {
     return std::array<float, 4>{0, 0, std::sin(angle / 2), std::cos(angle / 2)};
   };
@@ -342,10 +342,11 @@ TEST_F(PictureTest, SameSceneGivesSameBytes) {
   std::vector<Item> items;
   for (int i = 0; i < 60; ++i) {
     const auto t = static_cast<float>(i);
-    items.push_back({{std::sin(t), std::cos(2 * t), t / 30}, {0.3F, 0.3F, 0.3F}, {90, 90, 200, 255}});
+    items.push_back({{std::sin(t), std::cos(2 * t), t / 30}, {0.3F, 0.3F, 0.3F}, kBlue});
   }
   const std::vector scene{Image(400, 300, 4, 1), Perspective({3, 2, 6}, {0, 0, 1}, 0.6F),
-                          Instances(1, items), Instances(3, {{{0, -2, 0}, {50, 0, 50}, kWhite, 6}})};
+                          Instances(1, items),
+                          Instances(3, {{{0, -2, 0}, {50, 0, 50}, kWhite, kGrid | kFade}})};
   const Picture first = Draw(scene);
   Draw({Image(64, 64, 0, 0), Orthographic({0, 0, 9}, {0, 0, 0}, 3)});
   EXPECT_EQ(first.pixels.rgb, Draw(scene).pixels.rgb);

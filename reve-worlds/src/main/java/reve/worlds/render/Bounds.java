@@ -22,7 +22,7 @@ public record Bounds(Point low, Point high) {
 
     /** A corner; bits 0, 1 and 2 of {@code index} choose the high side of x, y and z. */
     Point corner(int index) {
-        return new Point((index & 1) == 0 ? low.x() : high.x(), (index & 2) == 0 ? low.y() : high.y(),
-                (index & 4) == 0 ? low.z() : high.z());
+        return new Point((index & 1) == 0 ? low.x() : high.x(),
+                (index & 2) == 0 ? low.y() : high.y(), (index & 4) == 0 ? low.z() : high.z());
     }
 }

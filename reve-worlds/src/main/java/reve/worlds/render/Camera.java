@@ -43,7 +43,8 @@ public record Camera(Point eye, Point target, Point up, boolean orthographic, do
      */
     public static Camera fit(Bounds bounds, double aspect) {
         if (!(aspect > 0 && aspect < 1e4)) {
-            throw new IllegalArgumentException("aspect " + aspect + ", expected above 0, below 1e4");
+            throw new IllegalArgumentException(
+                    "aspect " + aspect + ", expected above 0 and below 1e4");
         }
         Point centre = bounds.centre();
         Point right = UP.cross(THREE_QUARTER).normalized();

@@ -22,7 +22,7 @@ final class RenderProcess {
     RenderProcess(Path program) throws IOException {
         process = new ProcessBuilder(List.of(program.toString())).start();
         stream = new SceneStream(process.getOutputStream(), process.getInputStream());
-        // No virtual thread: reading a pipe would hold its carrier for as long as the process lives.
+        // No virtual thread: reading a pipe would hold its carrier while the process lives.
         errorReader = Thread.ofPlatform().daemon().name("vesper-render errors")
                 .start(this::keepErrors);
     }

@@ -137,6 +137,7 @@ public final class Renderer implements AutoCloseable {
             throw new RenderException("there is no program " + program
                     + "; build it with `./reve build` or name its folder in -Dreve.native.path");
         }
+        process = null;
         RenderProcess started = new RenderProcess(program);
         process = started;
         if (closed) { // and close() may have missed the new process
@@ -149,7 +150,7 @@ public final class Renderer implements AutoCloseable {
         return started;
     }
 
-    /** Ends the process, whose answers cannot be trusted now; returns if another try makes sense. */
+    /** Ends the process, which cannot be trusted now; returns if another try makes sense. */
     private void explain(IOException cut, boolean expired, int attempt) {
         RenderProcess broken = process;
         process = null;
