@@ -1,6 +1,7 @@
 package reve.core.file;
 
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -51,12 +52,12 @@ final class PhysicsReader {
     }
 
     /** The constants of the world by name. */
-    Map<String, double[]> constants(Node aspect) {
-        Map<String, double[]> values = new LinkedHashMap<>();
+    Map<String, List<Double>> constants(Node aspect) {
+        Map<String, List<Double>> values = new LinkedHashMap<>();
         read(aspect, WorldPrototype.WORLD, new Sink() {
             @Override
             public void numbers(String property, double[] numbers) {
-                values.put(property, numbers);
+                values.put(property, Arrays.stream(numbers).boxed().toList());
             }
 
             @Override

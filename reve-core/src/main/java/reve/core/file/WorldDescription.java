@@ -23,7 +23,7 @@ import reve.core.world.WorldPrototype;
  * @param items in the order of the file; they may refer to each other
  */
 public record WorldDescription(String name, String doc, WorldPrototype prototype, Timing timing,
-        List<LawReference> laws, Map<String, double[]> constants,
+        List<LawReference> laws, Map<String, List<Double>> constants,
         Optional<CameraDescription> camera, AgentPolicy agents, List<ItemDefinition> items) {
     public WorldDescription {
         laws = List.copyOf(laws);
@@ -35,7 +35,8 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
     public World build(ColumnArena arena) {
         World world = new World(name, prototype, arena);
         Item constantsItem = world.find(WorldPrototype.WORLD).orElseThrow();
-        constants.forEach((property, values) -> constantsItem.physics().set(property, values));
+        constants.forEach((property, values) -> constantsItem.physics().set(property,
+                values.stream().mapToDouble(Double::doubleValue).toArray()));
         world.addAll(items);
         return world;
     }

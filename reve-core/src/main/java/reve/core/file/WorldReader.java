@@ -31,7 +31,7 @@ final class WorldReader {
         var itemReader = new ItemReader(prototype, physics, problems);
         List<ItemDefinition> items = itemReader.readAll(root);
         List<LawReference> laws = laws(root);
-        Map<String, double[]> constants = root.get("constants")
+        Map<String, List<Double>> constants = root.get("constants")
                 .map(physics::constants).orElse(Map.of());
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
         AgentPolicy agents = root.get("agents").map(node -> agents(node, itemReader))
