@@ -1,0 +1,175 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.tests.Reve.Outcome;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/** The commands as a stranger meets them: output, messages, exit codes. */
+class CommandLineIT {
+    private static final String SPRING_ORBIT = Project.WORLDS.resolve("spring-orbit").toString();
+
+    @TempDir
+    private Path folder;
+
+    @Test
+    void helpNamesEveryCommandAndExitCode() throws Exception {
+        Outcome help = Reve.run("--help");
+        assertThat(help.code()).isZero();
+        assertThat(help.out()).contains("serve", "run", "snapshot", "check", "demo", "build", "test", "Exit codes");
+        for (String command : new String[] {"serve", "run", "snapshot", "check", "demo"}) {
+            assertThat(Reve.run(command, "--help").code()).as(command).isZero();
+        }
+    }
+
+    @Test
+    void wrongUsageIsExitCode2AndShowsTheUsage() throws Exception {
+        Outcome unknown = Reve.run("snapshots");
+        assertThat(unknown.code()).isEqualTo(2);
+        assertThat(unknown.err()).contains("snapshots").contains("Did you mean").contains("snapshot");
+        assertThat(Reve.run("run", SPRING_ORBIT, "--seconds", "-1").code()).isEqualTo(2);
+        Outcome size = Reve.run("snapshot", SPRING_ORBIT, "--out", folder.resolve("x.png").toString(),
+                "--size", "huge");
+        assertThat(size.code()).isEqualTo(2);
+        assertThat(size.err()).contains("'huge' is no size");
+    }
+
+    @Test
+    void runReportsTheSameStateTwice() throws Exception {
+        JsonNode first = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--json"));
+        JsonNode second = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--json"));
+        assertThat(first.get("frames").asLong()).isEqualTo(60);
+        assertThat(first.get("stateHash").asString()).matches("[0-9a-f]{16}")
+                .isEqualTo(second.get("stateHash").asString());
+        assertThat(first.get("faults").size()).isZero();
+    }
+
+    @Test
+    void profileShowsEachPartPerBody() throws Exception {
+        Outcome profile = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--profile");
+        assertThat(profile.code()).isZero();
+        assertThat(profile.out()).contains("ns/body", "PHYSICS advance", "PHYSICS rollback copy", "DERIVE",
+                "PUBLISH snapshot copy", "rest");
+    }
+
+    @Test
+    void snapshotWritesThePictureItNames() throws Exception {
+        Path picture = folder.resolve("orbit.png");
+        Outcome outcome = Reve.run("snapshot", SPRING_ORBIT, "--at", "1", "--out", picture.toString(),
+                "--size", "320x200");
+        assertThat(outcome.err()).isEmpty();
+        assertThat(outcome.out().strip()).isEqualTo(picture.toString());
+        var image = javax.imageio.ImageIO.read(picture.toFile());
+        assertThat(image.getWidth()).isEqualTo(320);
+        assertThat(image.getHeight()).isEqualTo(200);
+        assertThat(hasPixelLike(image, 0xc0392b)).as("the red ball").isTrue();
+        assertThat(hasPixelLike(image, 0x3498db)).as("the blue ball").isTrue();
+    }
+
+    /** Whether some pixel has the hue of a colour, in any light. */
+    private static boolean hasPixelLike(java.awt.image.BufferedImage image, int rgb) {
+        float hue = hue(rgb)[0];
+        for (int y = 0; y < image.getHeight(); y++) {
+            for (int x = 0; x < image.getWidth(); x++) {
+                float[] pixel = hue(image.getRGB(x, y));
+                if (Math.abs(pixel[0] - hue) < 0.03 && pixel[1] > 0.5) {
+                    return true;
+                }
+            }
+        }
+        return false;
+    }
+
+    private static float[] hue(int rgb) {
+        return java.awt.Color.RGBtoHSB(rgb >> 16 & 0xff, rgb >> 8 & 0xff, rgb & 0xff, null);
+    }
+
+    @Test
+    void checkAcceptsTheSamples() throws Exception {
+        try (var worlds = Files.list(Project.WORLDS)) {
+            for (Path world : worlds.filter(Files::isDirectory).toList()) {
+                Outcome outcome = Reve.run("check", world.toString());
+                assertThat(outcome.err()).as(world.toString()).isEmpty();
+                assertThat(outcome.code()).isZero();
+            }
+        }
+    }
+
+    @Test
+    void checkNamesEveryProblemWithItsPlace() throws Exception {
+        Path world = write("""
+                reve: 1
+                name: broken
+                items:
+                  - name: a
+                    physical: {shape: sphere, radius: 1}
+                    physics: {mass: 1 kg, velocty: [0, 1, 0]}
+                  - name: b
+                    physics: {mass: 3 m, velocity: [0, .nan, 0]}
+                  - name: a
+                    physics: {mass: 1}
+                  - name: s
+                    kind: spring
+                    physics: {springConstant: 1, end1: a, end2: nobody}
+                """);
+        Outcome outcome = Reve.run("check", world.toString());
+        assertThat(outcome.code()).isEqualTo(3);
+        assertThat(outcome.out()).isEmpty();
+        assertThat(outcome.err().lines()).hasSize(5).allMatch(line -> line.startsWith(world + ":"));
+        assertThat(outcome.err().lines().toList()).satisfiesExactly(
+                line -> assertThat(line).contains(":6:").contains("velocty").contains("velocity"),
+                line -> assertThat(line).contains(":8:").contains("mass").contains("kg"),
+                line -> assertThat(line).contains(":8:").contains("velocity"),
+                line -> assertThat(line).contains(":9:").contains("'a'"),
+                line -> assertThat(line).contains(":13:").contains("nobody"));
+        JsonNode json = new JsonMapper().readTree(Reve.run("check", "--json", world.toString()).out());
+        assertThat(json.get("valid").asBoolean()).isFalse();
+        assertThat(json.get("problems").size()).isEqualTo(5);
+        assertThat(json.at("/problems/0/line").asInt()).isEqualTo(6);
+    }
+
+    @Test
+    void aLawThatDoesNotExistIsExitCode4() throws Exception {
+        Path world = write("""
+                reve: 1
+                name: lawless
+                laws: [newton_motoin]
+                items: []
+                """);
+        Outcome outcome = Reve.run("check", world.toString());
+        assertThat(outcome.code()).isEqualTo(4);
+        assertThat(outcome.err()).contains("newton_motoin");
+    }
+
+    @Test
+    void aMissingFileIsNamed() throws Exception {
+        Outcome outcome = Reve.run("run", folder.resolve("nowhere.yaml").toString());
+        assertThat(outcome.code()).isEqualTo(1);
+        assertThat(outcome.err()).contains("there is no world file").contains("nowhere.yaml");
+    }
+
+    @Test
+    void aTakenPortIsExitCode5() throws Exception {
+        try (var taken = new java.net.ServerSocket(0, 1, java.net.InetAddress.getLoopbackAddress())) {
+            String port = Integer.toString(taken.getLocalPort());
+            Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", port);
+            assertThat(outcome.code()).isEqualTo(5);
+            assertThat(outcome.err()).contains(port);
+        }
+    }
+
+    private Path write(String text) throws IOException {
+        return Files.writeString(folder.resolve("world.yaml"), text);
+    }
+
+    private static JsonNode json(Outcome outcome) {
+        assertThat(outcome.code()).as(outcome.err()).isZero();
+        return new JsonMapper().readTree(outcome.out());
+    }
+}

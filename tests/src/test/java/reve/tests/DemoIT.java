@@ -1,0 +1,42 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.nio.file.Path;
+import javax.imageio.ImageIO;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.tests.Reve.Outcome;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/** {@code ./reve demo}: three processes, a law that comes and goes, two pictures. */
+class DemoIT {
+    @TempDir
+    private Path folder;
+
+    @Test
+    void everyPartOfTheMainJobHappens() throws Exception {
+        Outcome outcome = Reve.run("demo", "--json", "--out", folder.toString());
+        assertThat(outcome.code()).as(outcome.err()).isZero();
+        JsonNode demo = new JsonMapper().readTree(outcome.out());
+
+        assertThat(demo.at("/server/frames").asLong()).isEqualTo(480);
+        assertThat(demo.at("/server/faults").size()).isZero();
+        assertThat(demo.at("/server/agents/joined").asLong()).isEqualTo(2);
+        assertThat(demo.at("/server/agents/cut").asLong()).isZero();
+        assertThat(demo.at("/lawLoaded/time").asDouble()).isGreaterThanOrEqualTo(2)
+                .isLessThan(demo.at("/lawUnloaded/time").asDouble());
+        for (String agent : new String[] {"pythonAgent", "javaAgent"}) {
+            assertThat(demo.path(agent).path("perceptions").asLong()).as(agent).isGreaterThan(10);
+            assertThat(demo.path(agent).path("actsAccepted").asLong()).as(agent).isPositive();
+        }
+        byte[][] pictures = new byte[2][];
+        for (int i = 0; i < 2; i++) {
+            Path file = Path.of(demo.at("/pictures/" + i + "/file").asString());
+            assertThat(ImageIO.read(file.toFile()).getWidth()).isEqualTo(960);
+            pictures[i] = java.nio.file.Files.readAllBytes(file);
+        }
+        assertThat(pictures[0]).isNotEqualTo(pictures[1]);
+    }
+}

@@ -1,0 +1,66 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.net.InetAddress;
+import java.net.Socket;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+import tools.jackson.databind.JsonNode;
+
+/** Ctrl-C and SIGTERM end a server after its frame, with its report and exit code 0. */
+class InterruptIT {
+    private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
+
+    @TempDir
+    private Path folder;
+
+    @ParameterizedTest
+    @ValueSource(strings = {"INT", "TERM"})
+    void aSignalEndsTheServerCleanlyAndTellsItsAgents(String signal) throws Exception {
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json")) {
+            JsonNode ready = server.events().await("ready", line -> true);
+            try (Socket agent = new Socket(InetAddress.getLoopbackAddress(), ready.get("agentPort").asInt())) {
+                agent.setSoTimeout(10_000);
+                send(agent, "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}\n");
+                server.events().await("joined", line -> true);
+                signal(server, signal);
+                JsonNode end = server.events().await("end", line -> true);
+                assertThat(end.get("frames").asLong()).isPositive();
+                assertThat(server.exitCode()).isZero();
+                assertThat(new String(agent.getInputStream().readAllBytes(), StandardCharsets.UTF_8))
+                        .contains("{\"t\":\"bye\"").contains("closing");
+            }
+        }
+    }
+
+    @Test
+    void aSignalEndsALongRunWithItsReport() throws Exception {
+        Process run = new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6", "--real-time"))
+                .redirectError(folder.resolve("run.err").toFile()).start();
+        try (var errors = new java.io.RandomAccessFile(folder.resolve("run.err").toFile(), "r")) {
+            // The first progress line says that the loop runs.
+            while (errors.length() == 0 && run.isAlive()) {
+                Thread.onSpinWait();
+            }
+        }
+        assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor()).isZero();
+        String out = new String(run.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
+        assertThat(run.waitFor()).isZero();
+        assertThat(out).contains("spring-orbit:").contains("state hash");
+    }
+
+    private static void signal(Server server, String name) throws IOException, InterruptedException {
+        assertThat(new ProcessBuilder("kill", "-" + name, Long.toString(server.process().pid())).start().waitFor())
+                .isZero();
+    }
+
+    private static void send(Socket socket, String line) throws IOException {
+        socket.getOutputStream().write(line.getBytes(StandardCharsets.UTF_8));
+    }
+}

@@ -1,0 +1,49 @@
+package reve.tests;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.concurrent.TimeUnit;
+
+/** The {@code ./reve} command line as a process, as it was staged by the build. */
+final class Reve {
+    private static final long PATIENCE_SECONDS = 120;
+
+    /** What a finished command left. */
+    record Outcome(int code, String out, String err) {}
+
+    private Reve() {}
+
+    /** Runs a command to its end. */
+    static Outcome run(String... arguments) throws IOException, InterruptedException {
+        Process process = new ProcessBuilder(command(arguments)).start();
+        process.getOutputStream().close();
+        var err = new StringBuilder();
+        Thread reader = Thread.ofVirtual().start(() -> {
+            try {
+                err.append(new String(process.getErrorStream().readAllBytes(), StandardCharsets.UTF_8));
+            } catch (IOException closed) {
+                err.append(closed);
+            }
+        });
+        String out = new String(process.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
+        if (!process.waitFor(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
+            process.destroyForcibly();
+            throw new AssertionError(List.of(arguments) + " did not end within " + PATIENCE_SECONDS + " s");
+        }
+        reader.join();
+        return new Outcome(process.exitValue(), out, err.toString());
+    }
+
+    /** The command line for a process of one's own. */
+    static List<String> command(String... arguments) {
+        List<String> command = new ArrayList<>(List.of(
+                System.getProperty("java.home") + "/bin/java", "-XX:+UseSerialGC", "-XX:+RestoreMXCSROnJNICalls",
+                "--enable-native-access=ALL-UNNAMED", "-Dreve.native.path=" + Project.NATIVE,
+                "-Dreve.root=" + Project.ROOT, "-cp", Project.ROOT.resolve("build/stage/lib") + "/*",
+                "reve.worlds.Main"));
+        command.addAll(List.of(arguments));
+        return command;
+    }
+}

@@ -1,0 +1,69 @@
+package reve.tests;
+
+import java.io.BufferedReader;
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.concurrent.TimeUnit;
+import java.util.function.Predicate;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/** A {@code ./reve serve --json} process; closing ends it. */
+record Server(Process process, Events events) implements AutoCloseable {
+    private static final long PATIENCE_SECONDS = 60;
+
+    /** What the server says, kept, so that the order of asking does not matter. */
+    static final class Events {
+        private final JsonMapper mapper = new JsonMapper();
+        private final List<JsonNode> seen = new ArrayList<>();
+        private final BufferedReader output;
+        private final Path errors;
+
+        Events(BufferedReader output, Path errors) {
+            this.output = output;
+            this.errors = errors;
+        }
+
+        /** The first event of this kind that is as wanted, already seen or still to come. */
+        JsonNode await(String event, Predicate<JsonNode> wanted) throws IOException {
+            for (int i = 0; ; i++) {
+                if (i == seen.size()) {
+                    String line = output.readLine();
+                    if (line == null) {
+                        throw new AssertionError("the server ended without '" + event + "': " + seen + "\n"
+                                + Files.readString(errors));
+                    }
+                    seen.add(mapper.readTree(line));
+                }
+                JsonNode candidate = seen.get(i);
+                if (candidate.path("event").asString("").equals(event) && wanted.test(candidate)) {
+                    return candidate;
+                }
+            }
+        }
+    }
+
+    /** @param folder keeps what the server writes to standard error */
+    static Server start(Path folder, String... arguments) throws IOException {
+        Path errors = folder.resolve("server.err");
+        Process process = new ProcessBuilder(Reve.command(arguments)).redirectError(errors.toFile()).start();
+        return new Server(process, new Events(process.inputReader(), errors));
+    }
+
+    /** Waits for the server to end by itself. */
+    int exitCode() throws InterruptedException {
+        if (!process.waitFor(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
+            throw new AssertionError("the server did not end within " + PATIENCE_SECONDS + " s");
+        }
+        return process.exitValue();
+    }
+
+    @Override
+    public void close() throws InterruptedException {
+        process.destroyForcibly();
+        process.waitFor();
+    }
+}

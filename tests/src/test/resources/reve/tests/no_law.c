@@ -1,0 +1,2 @@
+/* A shared library, but no law library. */
+int answer(void) { return 42; }
