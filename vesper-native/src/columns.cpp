@@ -36,6 +36,12 @@ void CheckArrays(const PropertySpec& spec, const Arrays& arrays) {
                   spec.name.c_str(), arrays.value_count, arrays.row_count)
         .Property(spec.name);
   }
+  if (arrays.indices != nullptr && spec.IsAccumulator()) {
+    throw Failure(VESPER_ACCESS_CONFLICT,
+                  "property %s: the engine writes its sums, so rows cannot share values",
+                  spec.name.c_str())
+        .Property(spec.name);
+  }
   if (reinterpret_cast<uintptr_t>(arrays.indices) % alignof(uint32_t) != 0) {
     throw fail(VESPER_INVALID_ARGUMENT, "indices are not aligned to 4 bytes",
                reinterpret_cast<uintptr_t>(arrays.indices) % alignof(uint32_t));

@@ -198,6 +198,18 @@ TEST_P(ProviderTest, SharedValuesCannotBeWritten) {
   EXPECT_REFUSED(ACCESS_CONFLICT, "property position cannot share values", share());
 }
 
+TEST_P(ProviderTest, SumsCannotShareValues) {
+  std::vector<double> one = {1, 2, 3};
+  const std::vector<uint32_t> indices = {0, 0};
+  TestEngine engine(Options());
+  EXPECT_REFUSED(ACCESS_CONFLICT, "property externalForce: the engine writes its sums",
+                 Try([&](vesper_error* error) {
+                   return vesper_provider_add_physical_property(engine.provider(), "externalForce",
+                                                                one.data(), 1, indices.data(), 2,
+                                                                error);
+                 }));
+}
+
 TEST_P(ProviderTest, SharedIndicesAreRangeChecked) {
   std::vector<double> masses = {1, 10};
   const std::vector<uint32_t> indices = {0, 1, 2};
