@@ -115,6 +115,7 @@ class Curious:
         return [self.options.strength * (b - a) / distance for a, b in zip(here, there)]
 
     def summary(self, ended: str) -> Dict[str, Any]:
+        self.events.update(event.type for event in self.agent.events())
         return {
             "agent": self.agent.name,
             "world": self.agent.welcome.world,

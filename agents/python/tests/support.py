@@ -22,16 +22,16 @@ def vectors(name: str) -> List[Any]:
     return [json.loads(line) for line in (PROTOCOL / "vectors" / name).read_text("utf-8").splitlines()]
 
 
-def java(source: str, *arguments: str) -> List[str]:
-    """The command that runs a Java source file against the project's classes."""
+def java(program: str, *arguments: str) -> List[str]:
+    """The command that runs a class, or a Java source file, against the project's classes."""
     class_path = os.environ.get("REVE_TEST_CLASSPATH")
     java_home = os.environ.get("REVE_JAVA_HOME")
     if not class_path or not java_home:
         raise RuntimeError(
-            "these tests start the Java server: set REVE_TEST_CLASSPATH to its class path and "
+            "these tests start Java programs: set REVE_TEST_CLASSPATH to their class path and "
             "REVE_JAVA_HOME to a JDK 25, or run `./reve test`, which does"
         )
-    return [f"{java_home}/bin/java", "-cp", class_path, source, *arguments]
+    return [f"{java_home}/bin/java", "-cp", class_path, program, *arguments]
 
 
 @contextlib.contextmanager

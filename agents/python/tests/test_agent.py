@@ -8,7 +8,7 @@ import sys
 import threading
 import unittest
 
-from support import PACKAGE, pond
+from support import PACKAGE, java, pond
 
 import reve
 
@@ -169,6 +169,16 @@ class AgentTest(unittest.TestCase):
         self.assertGreaterEqual(summary["pushes"], 2)
         self.assertGreaterEqual(summary["events"]["quack"], 1)
         self.assertGreaterEqual(summary["lastFrame"] - summary["firstFrame"], 120)
+
+    def test_the_java_example_paints_what_lets_itself_be_painted(self):
+        example = subprocess.run(
+            java("reve.agent.examples.Painter", "--port", str(self.port), "--seconds", "0.5"),
+            stdout=subprocess.PIPE, text=True, timeout=60, check=True,
+        )
+        summary = json.loads(example.stdout.splitlines()[-1])
+        self.assertEqual((summary["agent"], summary["world"], summary["ended"]), ("painter", "pond", "done"))
+        self.assertEqual(summary["painted"], {"duck": "#0040ff"})
+        self.assertEqual((summary["actsAccepted"], summary["actsRefused"]), (1, {}))
 
 
 if __name__ == "__main__":

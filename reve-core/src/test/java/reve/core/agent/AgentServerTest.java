@@ -7,9 +7,15 @@ import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import java.io.IOException;
 import java.lang.management.ManagementFactory;
 import java.net.InetSocketAddress;
+import java.nio.file.Files;
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
+import java.util.Set;
+import java.util.TreeSet;
+import java.util.regex.Pattern;
+import java.util.stream.Stream;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
@@ -66,11 +72,17 @@ class AgentServerTest {
     }
 
     @Test
-    void everyCodeThatTheServerUsesIsOnTheProtocolsPage() {
-        String page = Vectors.text("PROTOCOL.md");
-        for (JsonNode vector : Vectors.lines("refused.jsonl")) {
-            assertThat(page).contains("`" + vector.get("code").stringValue() + "`");
+    void everyCodeThatTheServerUsesIsOnTheProtocolsPage() throws IOException {
+        var givesCode = Pattern.compile("(?:Ending\\.\\w+|BadMessage|Refused|refuse)\\([^\"]*\"([a-z0-9-]+)\"");
+        Set<String> codes = new TreeSet<>();
+        Path sources = Path.of(System.getProperty("reve.root"), "reve-core/src/main/java/reve/core/agent");
+        try (Stream<Path> files = Files.list(sources)) {
+            for (Path file : files.toList()) {
+                givesCode.matcher(Files.readString(file)).results().forEach(code -> codes.add(code.group(1)));
+            }
         }
+        assertThat(codes).hasSizeGreaterThan(30).contains("bad-json", "hello-late", "world-busy", "no-such-item");
+        assertThat(codes).allSatisfy(code -> assertThat(Vectors.text("PROTOCOL.md")).contains("`" + code + "`"));
     }
 
     // ---- perceiving ----
@@ -381,6 +393,16 @@ class AgentServerTest {
             JsonNode bye = client.say("{'t':'hello'," + fields + "}").expectBye(code);
             assertThat(bye.get("message").stringValue()).isNotBlank();
             assertThat(bye.get("hint").stringValue()).isNotBlank();
+        }
+    }
+
+    @Test
+    void foreignTextComesBackWithoutWhatCouldForgeOrHideALine() throws IOException {
+        try (TestClient client = room.connect()) {
+            client.say("{'t':'hello','protocol':1,'name':'ada','body':'x\\n\\u0000\\u202e'}").sync();
+            room.step();
+            assertThat(client.expectBye("no-such-body").get("message").stringValue())
+                    .endsWith("no item \"x\\u{a}\\u{0}\\u{202e}\"");
         }
     }
 
