@@ -105,7 +105,9 @@ class AgentLimitsTest {
     private static void floodUntilCut(AgentRoom room, TestClient greedy) {
         byte[] pings = "{\"t\":\"ping\",\"id\":1}\n".repeat(1000).getBytes(StandardCharsets.US_ASCII);
         try {
-            while (room.server.stats().cut() == 0) {
+            long enough = 200_000_000;
+            for (long sent = 0; room.server.stats().cut() == 0; sent += pings.length) {
+                assertThat(sent).as("bytes sent without being cut").isLessThan(enough);
                 greedy.send(pings);
             }
         } catch (IOException e) {

@@ -262,6 +262,12 @@ class AgentServerTest {
                 assertThat(result.get("id").intValue()).isEqualTo(i);
                 assertThat(result.get("accepted").booleanValue()).isTrue();
             }
+            for (int i = 0; i < allowed; i++) {
+                ada.expect("event");
+            }
+            ada.say("{'t':'act','id':99,'item':'duck','action':'wind-up'}").sync();
+            room.step();
+            assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
         }
     }
 
