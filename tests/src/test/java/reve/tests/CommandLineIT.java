@@ -125,8 +125,8 @@ class CommandLineIT {
         assertThat(outcome.err().lines().toList()).satisfiesExactly(
                 line -> assertThat(line).contains(":6:").contains("velocty").contains("velocity"),
                 line -> assertThat(line).contains(":8:").contains("mass").contains("kg"),
-                line -> assertThat(line).contains(":8:").contains("velocity"),
-                line -> assertThat(line).contains(":9:").contains("'a'"),
+                line -> assertThat(line).contains(":8:").contains("`.nan`").contains("finite"),
+                line -> assertThat(line).contains(":9:").contains("`a`").contains("line 4"),
                 line -> assertThat(line).contains(":13:").contains("nobody"));
         JsonNode json = new JsonMapper().readTree(Reve.run("check", "--json", world.toString()).out());
         assertThat(json.get("valid").asBoolean()).isFalse();

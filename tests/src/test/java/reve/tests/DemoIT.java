@@ -29,8 +29,10 @@ class DemoIT {
                 .isLessThan(demo.at("/lawUnloaded/time").asDouble());
         for (String agent : new String[] {"pythonAgent", "javaAgent"}) {
             assertThat(demo.path(agent).path("perceptions").asLong()).as(agent).isGreaterThan(10);
-            assertThat(demo.path(agent).path("actsAccepted").asLong()).as(agent).isPositive();
+            assertThat(demo.path(agent).path("actsRefused").size()).as(agent).isZero();
         }
+        assertThat(demo.at("/pythonAgent/pushes").asLong()).isPositive();
+        assertThat(demo.at("/javaAgent/painted/red").asString()).startsWith("#");
         byte[][] pictures = new byte[2][];
         for (int i = 0; i < 2; i++) {
             Path file = Path.of(demo.at("/pictures/" + i + "/file").asString());

@@ -13,7 +13,7 @@ struct NanWriter {
 
   ReadWrite<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   auto Properties() { return std::tie(velocity); }
-  void Advance(const Step&) { velocity[1][0] = std::numeric_limits<Real>::quiet_NaN(); }
+  void Advance(const Step&) { velocity[1].x = std::numeric_limits<Real>::quiet_NaN(); }
 };
 
 VESPER_LAW_LIBRARY("nan_writer", NanWriter)

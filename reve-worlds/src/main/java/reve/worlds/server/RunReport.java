@@ -22,6 +22,7 @@ import reve.pe.adapter.AdapterProfile;
  * @param worldSeconds simulated time they cover [s]
  * @param wallSeconds time they took [s]
  * @param stateHash of all columns that laws see, at the end
+ * @param items of the world, without the one that holds its constants
  * @param bodies rows of kind {@code body} that laws may move
  * @param laws loaded at the end, with what they cost
  * @param libraries every law library that was ever loaded, in that order
@@ -42,7 +43,7 @@ public record RunReport(String world, long frames, double worldSeconds, double w
         FrameProfile profile = simulation.loop().profile();
         Timing timing = simulation.description().timing();
         return new RunReport(world.name(), profile.frames(), timing.timeSeconds(profile.frames()), wallSeconds,
-                simulation.physics().stateHash(), world.items().size(),
+                simulation.physics().stateHash(), world.items().size() - 1,
                 world.table(WorldPrototype.BODY).physicsRowCount(), simulation.physics().laws().loaded(),
                 simulation.events().libraries(), simulation.events().faults(), profile,
                 simulation.physics().profile());
