@@ -3,6 +3,10 @@ package reve.core.access;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Set;
+import reve.core.world.Action;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Parameter;
 
 /**
  * An action made of {@link Effect}s, as world files declare them. All effects happen or none.

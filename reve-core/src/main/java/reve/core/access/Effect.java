@@ -3,6 +3,8 @@ package reve.core.access;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import reve.core.unit.Unit;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
 import reve.core.world.Colour;
 import reve.core.world.Column;
 import reve.core.world.Item;

@@ -1,6 +1,8 @@
 package reve.core.access;
 
 import reve.core.unit.Unit;
+import reve.core.world.ActionCall;
+import reve.core.world.Parameter;
 
 /** Where an effect takes its value from. */
 public sealed interface Operand {

@@ -2,10 +2,10 @@ package reve.core.agent;
 
 import java.util.List;
 import org.jspecify.annotations.Nullable;
-import reve.core.access.Action;
-import reve.core.access.ActionCall;
-import reve.core.access.ActionRefused;
-import reve.core.access.Arguments;
+import reve.core.world.Action;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Arguments;
 import reve.core.world.Item;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;

@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.io.IOException;
 import java.io.OutputStream;
+import java.net.BindException;
 import java.net.InetSocketAddress;
 import java.net.ServerSocket;
 import java.net.Socket;
@@ -49,7 +50,7 @@ public final class AgentServer implements AutoCloseable {
     /**
      * Begins to listen.
      *
-     * @throws IOException naming the address if it cannot be had
+     * @throws BindException naming the address if it cannot be had
      */
     public static AgentServer start(AgentServerConfig config, WorldPort port) throws IOException {
         var server = new AgentServer(config, port, listen(config.address()));
@@ -200,8 +201,10 @@ public final class AgentServer implements AutoCloseable {
             return socket;
         } catch (IOException e) {
             closeQuietly(socket);
-            throw new IOException("cannot serve agents on " + address.getHostString() + " port " + address.getPort()
-                    + ": " + e.getMessage(), e);
+            var unbound = new BindException("cannot serve agents on " + address.getHostString() + " port "
+                    + address.getPort() + ": " + e.getMessage());
+            unbound.initCause(e);
+            throw unbound;
         }
     }
 

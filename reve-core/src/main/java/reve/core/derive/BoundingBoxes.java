@@ -2,8 +2,10 @@ package reve.core.derive;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import org.jspecify.annotations.Nullable;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FramePhase;
+import reve.core.world.Column;
 import reve.core.world.Mesh;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
@@ -12,83 +14,99 @@ import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
 /**
- * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes
- * around the item's own box, turned and placed. The only writer of these columns.
+ * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes around
+ * the item's own box, turned and placed. The only writer of these columns. World's thread.
+ *
+ * <p>Works on plain arrays, a few hundred rows at a time: columns are copied in and out in bulk,
+ * which compilers make fast whatever else the program does.
  */
 public final class BoundingBoxes {
 
-    private static final ValueLayout.OfDouble DOUBLE = ValueLayout.JAVA_DOUBLE;
-    private static final ValueLayout.OfFloat FLOAT = ValueLayout.JAVA_FLOAT;
-    private static final ValueLayout.OfInt INT = ValueLayout.JAVA_INT;
+    private static final int CHUNK_ROWS = 512;
 
-    private BoundingBoxes() {}
+    private final float[] singles = new float[4 * CHUNK_ROWS];
+    private final double[] position = new double[3 * CHUNK_ROWS];
+    private final double[] orientation = new double[4 * CHUNK_ROWS];
+    private final double[] half = new double[3 * CHUNK_ROWS];
+    private final int[] shape = new int[CHUNK_ROWS];
+    private final double[] low = new double[3 * CHUNK_ROWS];
+    private final double[] high = new double[3 * CHUNK_ROWS];
 
     /** Works all boxes out in DERIVE of every frame. */
     public static void subscribeTo(FrameBus bus) {
-        bus.subscribe(FramePhase.DERIVE, "bounding boxes", event -> update(event.world()));
+        var boxes = new BoundingBoxes();
+        bus.subscribe(FramePhase.DERIVE, "bounding boxes", event -> boxes.update(event.world()));
     }
 
-    /** Works all boxes out now. World's thread; allocates nothing. */
-    public static void update(World world) {
+    /** Works all boxes out now; allocates nothing. */
+    public void update(World world) {
         Table table = world.table(WorldPrototype.BODY);
-        MemorySegment position = table.column("position").segment();
-        MemorySegment orientation = table.column("orientation").segment();
-        MemorySegment size = table.column("size").segment();
-        MemorySegment shape = table.column("shape").segment();
-        MemorySegment low = table.column("boundsMin").segment();
-        MemorySegment high = table.column("boundsMax").segment();
-        boolean single = world.prototype().realType() == ScalarType.F32;
-        for (int row = 0; row < table.rowCount(); row++) {
-            long at = row * 3L;
-            double x = real(position, single, at);
-            double y = real(position, single, at + 1);
-            double z = real(position, single, at + 2);
-            double halfX = 0.5 * size.getAtIndex(DOUBLE, at);
-            double halfY = 0.5 * size.getAtIndex(DOUBLE, at + 1);
-            double halfZ = 0.5 * size.getAtIndex(DOUBLE, at + 2);
-            int code = shape.getAtIndex(INT, row);
-            if (code != Shape.SPHERE && code != Shape.NONE) {
-                double qx = real(orientation, single, row * 4L);
-                double qy = real(orientation, single, row * 4L + 1);
-                double qz = real(orientation, single, row * 4L + 2);
-                double qw = real(orientation, single, row * 4L + 3);
-                double xx = 1 - 2 * (qy * qy + qz * qz);
-                double xy = 2 * (qx * qy - qz * qw);
-                double xz = 2 * (qx * qz + qy * qw);
-                double yx = 2 * (qx * qy + qz * qw);
-                double yy = 1 - 2 * (qx * qx + qz * qz);
-                double yz = 2 * (qy * qz - qx * qw);
-                double zx = 2 * (qx * qz - qy * qw);
-                double zy = 2 * (qy * qz + qx * qw);
-                double zz = 1 - 2 * (qx * qx + qy * qy);
-                if (code == Shape.MESH) {
-                    // A mesh need not be centred on the item's origin.
-                    Mesh mesh = (Mesh) table.shapeAt(row);
-                    double cx = 0.5 * (mesh.min(0) + mesh.max(0));
-                    double cy = 0.5 * (mesh.min(1) + mesh.max(1));
-                    double cz = 0.5 * (mesh.min(2) + mesh.max(2));
-                    x += xx * cx + xy * cy + xz * cz;
-                    y += yx * cx + yy * cy + yz * cz;
-                    z += zx * cx + zy * cy + zz * cz;
-                }
-                double ownX = halfX;
-                double ownY = halfY;
-                double ownZ = halfZ;
-                halfX = Math.abs(xx) * ownX + Math.abs(xy) * ownY + Math.abs(xz) * ownZ;
-                halfY = Math.abs(yx) * ownX + Math.abs(yy) * ownY + Math.abs(yz) * ownZ;
-                halfZ = Math.abs(zx) * ownX + Math.abs(zy) * ownY + Math.abs(zz) * ownZ;
+        Column positions = table.column("position");
+        Column orientations = table.column("orientation");
+        MemorySegment sizes = table.column("size").segment();
+        MemorySegment shapes = table.column("shape").segment();
+        MemorySegment lows = table.column("boundsMin").segment();
+        MemorySegment highs = table.column("boundsMax").segment();
+        for (int first = 0; first < table.rowCount(); first += CHUNK_ROWS) {
+            int rows = Math.min(CHUNK_ROWS, table.rowCount() - first);
+            read(positions, 3 * first, position, 3 * rows);
+            read(orientations, 4 * first, orientation, 4 * rows);
+            MemorySegment.copy(sizes, ValueLayout.JAVA_DOUBLE, 24L * first, half, 0, 3 * rows);
+            MemorySegment.copy(shapes, ValueLayout.JAVA_INT, 4L * first, shape, 0, rows);
+            for (int i = 0; i < 3 * rows; i++) {
+                half[i] *= 0.5;
             }
-            low.setAtIndex(DOUBLE, at, x - halfX);
-            low.setAtIndex(DOUBLE, at + 1, y - halfY);
-            low.setAtIndex(DOUBLE, at + 2, z - halfZ);
-            high.setAtIndex(DOUBLE, at, x + halfX);
-            high.setAtIndex(DOUBLE, at + 1, y + halfY);
-            high.setAtIndex(DOUBLE, at + 2, z + halfZ);
+            for (int row = 0; row < rows; row++) {
+                if (shape[row] != Shape.SPHERE && shape[row] != Shape.NONE) {
+                    turn(row, shape[row] == Shape.MESH ? (Mesh) table.shapeAt(first + row) : null);
+                }
+            }
+            for (int i = 0; i < 3 * rows; i++) {
+                low[i] = position[i] - half[i];
+                high[i] = position[i] + half[i];
+            }
+            MemorySegment.copy(low, 0, lows, ValueLayout.JAVA_DOUBLE, 24L * first, 3 * rows);
+            MemorySegment.copy(high, 0, highs, ValueLayout.JAVA_DOUBLE, 24L * first, 3 * rows);
         }
     }
 
-    /** The n-th number of a column whose type is the same for the whole loop. */
-    private static double real(MemorySegment column, boolean single, long index) {
-        return single ? column.getAtIndex(FLOAT, index) : column.getAtIndex(DOUBLE, index);
+    /** Reads numbers of a column of the prototype's real type. */
+    private void read(Column column, int first, double[] into, int count) {
+        if (column.type() == ScalarType.F64) {
+            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE, 8L * first, into, 0, count);
+            return;
+        }
+        MemorySegment.copy(column.segment(), ValueLayout.JAVA_FLOAT, 4L * first, singles, 0, count);
+        for (int i = 0; i < count; i++) {
+            into[i] = singles[i];
+        }
+    }
+
+    /** Half the size of the box around the turned box; a mesh need not be centred on its origin. */
+    private void turn(int row, @Nullable Mesh mesh) {
+        double x = orientation[4 * row];
+        double y = orientation[4 * row + 1];
+        double z = orientation[4 * row + 2];
+        double w = orientation[4 * row + 3];
+        int at = 3 * row;
+        double a = half[at];
+        double b = half[at + 1];
+        double c = half[at + 2];
+        turn(at, 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), a, b, c, mesh);
+        turn(at + 1, 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), a, b, c, mesh);
+        turn(at + 2, 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), a, b, c, mesh);
+    }
+
+    /** One axis of the world: (x, y, z) is its row of the rotation matrix, (a, b, c) the own half. */
+    private void turn(int at, double x, double y, double z, double a, double b, double c,
+            @Nullable Mesh mesh) {
+        half[at] = Math.abs(x) * a + Math.abs(y) * b + Math.abs(z) * c;
+        if (mesh != null) {
+            position[at] += x * centre(mesh, 0) + y * centre(mesh, 1) + z * centre(mesh, 2);
+        }
+    }
+
+    private static double centre(Mesh mesh, int axis) {
+        return 0.5 * (mesh.min(axis) + mesh.max(axis));
     }
 }

@@ -2,7 +2,6 @@ package reve.core.world;
 
 import java.util.List;
 import java.util.Optional;
-import reve.core.access.Action;
 
 /** What agents can do with an item. World's thread only. */
 public final class AccessAspect {

@@ -6,7 +6,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import reve.core.access.Action;
 
 /**
  * Everything an item begins with. What can be checked without a world is checked here, the rest by

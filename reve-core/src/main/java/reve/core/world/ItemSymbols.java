@@ -7,7 +7,6 @@ import java.util.Optional;
 import java.util.Set;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
-import reve.core.access.Action;
 
 /**
  * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.

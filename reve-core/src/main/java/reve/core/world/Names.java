@@ -1,5 +1,6 @@
 package reve.core.world;
 
+import java.nio.charset.StandardCharsets;
 import java.util.regex.Pattern;
 
 /** The one place that decides what a name may be. */
@@ -27,7 +28,16 @@ final class Names {
                         what + " \"" + escaped(name) + "\" contains a control character");
             }
         }
+        if (!isUnicode(name)) {
+            throw new IllegalArgumentException(
+                    what + " \"" + escaped(name) + "\" is no Unicode: half of a surrogate pair");
+        }
         return name;
+    }
+
+    /** Whether a text can be written as UTF-8: it holds no half of a surrogate pair. */
+    static boolean isUnicode(String text) {
+        return StandardCharsets.UTF_8.newEncoder().canEncode(text);
     }
 
     /** A name that laws look up: properties, kinds. Short enough for the C side's 48 bytes. */
@@ -42,7 +52,7 @@ final class Names {
     private static String escaped(String name) {
         StringBuilder out = new StringBuilder();
         name.chars().limit(MAX_LENGTH).forEach(c -> {
-            if (Character.isISOControl(c)) {
+            if (Character.isISOControl(c) || Character.isSurrogate((char) c)) {
                 out.append(String.format("\\u%04x", c));
             } else {
                 out.append((char) c);

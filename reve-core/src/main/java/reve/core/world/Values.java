@@ -32,7 +32,7 @@ final class Values {
         }
         requireFinite(item, name, values);
         for (double value : values) {
-            if (!fits(property.type(), value)) {
+            if (!property.type().holds(value)) {
                 throw new IllegalArgumentException(at(item, name) + "is " + text(values)
                         + ", which does not fit type " + property.type());
             }
@@ -76,6 +76,9 @@ final class Values {
             case String text when text.length() > MAX_TEXT ->
                 throw new IllegalArgumentException(at(item, symbol) + "has " + text.length()
                         + " characters, at most " + MAX_TEXT + " are allowed");
+            case String text when !Names.isUnicode(text) ->
+                throw new IllegalArgumentException(
+                        at(item, symbol) + "is no Unicode: it holds half of a surrogate pair");
             case String text -> text;
             case Boolean truth -> truth;
             case Number number -> {
@@ -84,16 +87,6 @@ final class Values {
             }
             default -> throw new IllegalArgumentException(at(item, symbol) + "is a "
                     + value.getClass().getSimpleName() + ", expected text, truth or a number");
-        };
-    }
-
-    private static boolean fits(ScalarType type, double value) {
-        return switch (type) {
-            case F64 -> true;
-            case F32 -> Float.isFinite((float) value);
-            case I32 -> value == (int) value;
-            case U32 -> value == (long) value && value >= 0 && value <= 0xFFFF_FFFFL;
-            case REF -> false;
         };
     }
 

@@ -37,7 +37,7 @@ class BoundingBoxesTest {
                     .at(number(random), number(random), number(random))
                     .orientation(number(random), number(random), number(random), 0.1).build());
         }
-        BoundingBoxes.update(world);
+        new BoundingBoxes().update(world);
         for (Item item : world.items()) {
             if (!item.physical().isEmpty()) {
                 double[][] expected = turnedCorners(item);
@@ -55,7 +55,7 @@ class BoundingBoxesTest {
         double half = Math.sqrt(0.5);
         Item box = world.add(ItemDefinition.named("box").shape(Shape.box(2, 4, 6)).at(10, 0, 0)
                 .orientation(0, 0, half, half).build());
-        BoundingBoxes.update(world);
+        new BoundingBoxes().update(world);
         assertThat(box.physical().boundsMin()).containsExactly(new double[] {8, -1, -3},
                 within(1e-12));
         assertThat(box.physical().boundsMax()).containsExactly(new double[] {12, 1, 3},
@@ -68,7 +68,7 @@ class BoundingBoxesTest {
         Item point = world.add(ItemDefinition.named("point").at(1, 2, 3).build());
         Item ball = world.add(ItemDefinition.named("ball").shape(Shape.sphere(2)).at(1, 2, 3)
                 .orientation(1, 2, 3, 4).build());
-        BoundingBoxes.update(world);
+        new BoundingBoxes().update(world);
         assertThat(point.physical().boundsMin()).containsExactly(1, 2, 3);
         assertThat(point.physical().boundsMax()).containsExactly(1, 2, 3);
         assertThat(ball.physical().boundsMin()).containsExactly(-1, 0, 1);

@@ -36,7 +36,7 @@ class SceneBuilderIT {
     }
 
     private static WorldSnapshot snapshot(World world) {
-        BoundingBoxes.update(world);
+        new BoundingBoxes().update(world);
         var ring = new SnapshotRing(world, 2);
         ring.publish(1, 0);
         return ring.acquireLatest().orElseThrow();
@@ -136,7 +136,7 @@ class SceneBuilderIT {
     void aLostSnapshotGivesNoScene() {
         World world = world("si-f64");
         world.add(ball("red", "#ff0000").build());
-        BoundingBoxes.update(world);
+        new BoundingBoxes().update(world);
         var ring = new SnapshotRing(world, 2);
         ring.publish(1, 0);
         try (WorldSnapshot old = ring.acquireLatest().orElseThrow()) {

@@ -1,4 +1,4 @@
-package reve.core.access;
+package reve.core.world;
 
 /** What an action's parameter takes. */
 public enum ParameterType {

@@ -1,8 +1,6 @@
-package reve.core.access;
+package reve.core.world;
 
 import java.util.Optional;
-import reve.core.world.Item;
-import reve.core.world.World;
 
 /**
  * One use of an action. Valid during {@link Action#perform}, on the world's thread.

@@ -1,4 +1,4 @@
-package reve.core.access;
+package reve.core.world;
 
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -86,6 +86,10 @@ public final class Arguments {
                     throw new ActionRefused("wrong-type", subject(action, parameter) + " takes a "
                             + "text of at most " + MAX_TEXT_LENGTH + " characters, found "
                             + text.length());
+                }
+                if (!Names.isUnicode(text)) {
+                    throw new ActionRefused("wrong-type", subject(action, parameter)
+                            + " takes Unicode text, found half of a surrogate pair");
                 }
                 yield text;
             }

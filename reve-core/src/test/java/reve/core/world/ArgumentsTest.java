@@ -1,4 +1,4 @@
-package reve.core.access;
+package reve.core.world;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
@@ -9,6 +9,7 @@ import java.util.List;
 import java.util.Map;
 import org.junit.jupiter.api.Test;
 import reve.core.unit.Unit;
+import reve.core.access.DeclaredAction;
 
 class ArgumentsTest {
     private static final Action ACTION = new DeclaredAction("act", "", List.of(
@@ -46,6 +47,14 @@ class ArgumentsTest {
                 .isInstanceOf(IllegalArgumentException.class).hasMessageContaining("`count`");
         assertThatThrownBy(() -> arguments.number("other"))
                 .isInstanceOf(IllegalArgumentException.class).hasMessageContaining("`other`");
+    }
+
+    @Test
+    void refusesTextThatCannotBeWritten() {
+        Map<String, Object> given = good();
+        given.put("label", "half \ud800 pair");
+        refused(given, "wrong-type",
+                "`label` of action act takes Unicode text, found half of a surrogate pair");
     }
 
     @Test

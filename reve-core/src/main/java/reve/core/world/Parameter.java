@@ -1,4 +1,4 @@
-package reve.core.access;
+package reve.core.world;
 
 import reve.core.unit.Unit;
 

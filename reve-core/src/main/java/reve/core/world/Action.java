@@ -1,4 +1,4 @@
-package reve.core.access;
+package reve.core.world;
 
 import java.util.List;
 

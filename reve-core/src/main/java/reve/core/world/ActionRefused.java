@@ -1,4 +1,4 @@
-package reve.core.access;
+package reve.core.world;
 
 /**
  * An action was refused; the world is as it was before. The code is for programs and never
