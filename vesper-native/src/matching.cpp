@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "failure.hpp"
+#include "nearest_name.hpp"
 #include "struct_array.hpp"
 #include "unit.hpp"
 

@@ -1,10 +1,9 @@
 #include "prototype.hpp"
 
 #include <algorithm>
-#include <numeric>
-#include <utility>
 
 #include "failure.hpp"
+#include "nearest_name.hpp"
 #include "struct_array.hpp"
 #include "unit.hpp"
 
@@ -14,19 +13,6 @@ namespace {
 constexpr uint32_t kMaxComponents = 256;
 constexpr uint32_t kMaxProperties = 4096;
 constexpr vesper_access kAllAccess = VESPER_READ_WRITE | VESPER_ACCUMULATE;
-
-size_t EditDistance(std::string_view a, std::string_view b) {
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t{0});
-  for (size_t i = 1; i <= a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i);
-    for (size_t j = 1; j <= b.size(); ++j) {
-      const size_t substitute = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-      diagonal = std::exchange(row[j], std::min({row[j] + 1, row[j - 1] + 1, substitute}));
-    }
-  }
-  return row.back();
-}
 
 void CheckTimeUnit(const vesper_unit& unit) {
   constexpr int8_t kTime[7] = {0, 0, 1, 0, 0, 0, 0};
@@ -70,19 +56,6 @@ void CheckDescriptor(const vesper_property_descriptor& property, uint32_t index)
 }
 
 }  // namespace
-
-const std::string* NearestName(std::string_view name, const std::vector<std::string>& candidates) {
-  const std::string* nearest = nullptr;
-  size_t best = std::max<size_t>(2, name.size() / 3) + 1;
-  for (const std::string& candidate : candidates) {
-    const size_t distance = EditDistance(name, candidate);
-    if (distance < best) {
-      best = distance;
-      nearest = &candidate;
-    }
-  }
-  return nearest;
-}
 
 Prototype::Prototype(const vesper_prototype& source) : real_type_(source.real_type) {
   CheckStructSize(source, "prototype");

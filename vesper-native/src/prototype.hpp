@@ -53,7 +53,4 @@ class Prototype {
   std::vector<std::string> kinds_;
 };
 
-/// `candidates` entry that a mistyped `name` most likely meant, or null if none is near.
-const std::string* NearestName(std::string_view name, const std::vector<std::string>& candidates);
-
 }  // namespace vesper
