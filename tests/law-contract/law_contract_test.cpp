@@ -12,8 +12,8 @@
 #include <set>
 #include <span>
 
-#include "law_file.hpp"
-#include "world.hpp"
+#include "vesper/kit/law_file.hpp"
+#include "vesper/kit/world.hpp"
 
 namespace vesper {
 namespace {

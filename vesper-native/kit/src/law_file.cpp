@@ -1,4 +1,4 @@
-#include "law_file.hpp"
+#include "vesper/kit/law_file.hpp"
 
 #include <dlfcn.h>
 #include <elf.h>
