@@ -3,6 +3,7 @@
 
 #include "engine.hpp"
 #include "failure.hpp"
+#include "unit_parser.hpp"
 #include "vesper/engine.h"
 
 namespace {
@@ -24,6 +25,13 @@ uint32_t vesper_abi_version() noexcept { return VESPER_ABI_VERSION; }
 const char* vesper_build_info() noexcept { return VESPER_BUILD_INFO; }
 
 const char* vesper_status_name(vesper_status status) noexcept { return vesper::StatusName(status); }
+
+vesper_status vesper_unit_parse(const char* text, vesper_unit* out, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    vesper_unit& unit = Required(out, "out");
+    unit = vesper::ParseUnit(&Required(text, "text"));
+  });
+}
 
 vesper_status vesper_engine_create(const vesper_engine_config* config,
                                    const vesper_prototype* prototype, vesper_engine** out,

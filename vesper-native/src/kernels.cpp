@@ -70,6 +70,26 @@ void Add(void* sum, const void* addend, uint64_t count) {
 }
 
 template <class Real>
+void Convert(void* to, const void* from, UnitRatio ratio, uint64_t count) {
+  auto* target = static_cast<Real*>(to);
+  const auto* source = static_cast<const Real*>(from);
+  for (uint64_t i = 0; i < count; ++i) {
+    target[i] = static_cast<Real>(source[i] * ratio.multiply / ratio.divide);
+  }
+}
+
+template <class Real>
+void ConvertChanged(void* to, const void* from, const void* before, UnitRatio ratio,
+                    uint64_t count) {
+  auto* target = static_cast<Real*>(to);
+  const auto* source = static_cast<const Real*>(from);
+  for (uint64_t i = 0; i < count; ++i) {
+    if (BitsAt<Real>(from, i) == BitsAt<Real>(before, i)) continue;
+    target[i] = static_cast<Real>(source[i] * ratio.multiply / ratio.divide);
+  }
+}
+
+template <class Real>
 void CopyCanonical(void* to, const void* from, uint64_t count) {
   auto* target = static_cast<Real*>(to);
   const auto* source = static_cast<const Real*>(from);
@@ -94,6 +114,18 @@ VESPER_STREAMING
 void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count) {
   if (type == VESPER_F64) Add<double>(sum, addend, count);
   if (type == VESPER_F32) Add<float>(sum, addend, count);
+}
+
+VESPER_STREAMING
+void Convert(vesper_scalar_type type, void* to, const void* from, UnitRatio ratio, uint64_t count) {
+  if (type == VESPER_F64) Convert<double>(to, from, ratio, count);
+  if (type == VESPER_F32) Convert<float>(to, from, ratio, count);
+}
+
+void ConvertChanged(vesper_scalar_type type, void* to, const void* from, const void* before,
+                    UnitRatio ratio, uint64_t count) {
+  if (type == VESPER_F64) ConvertChanged<double>(to, from, before, ratio, count);
+  if (type == VESPER_F32) ConvertChanged<float>(to, from, before, ratio, count);
 }
 
 void FillUnwritten(vesper_scalar_type type, void* values, uint64_t count) {

@@ -15,6 +15,20 @@ uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t cou
 /// sum[i] += addend[i]
 void Add(vesper_scalar_type type, void* sum, const void* addend, uint64_t count);
 
+/// What takes a value from a unit of scale `multiply` to one of scale `divide`.
+struct UnitRatio {
+  double multiply = 1;
+  double divide = 1;
+
+  bool IsOne() const { return multiply == divide; }
+  UnitRatio Inverse() const { return {divide, multiply}; }
+};
+/// to[i] = from[i] * multiply / divide, computed in f64. Integers are left alone.
+void Convert(vesper_scalar_type type, void* to, const void* from, UnitRatio ratio, uint64_t count);
+/// The same where the bits of from[i] and before[i] differ.
+void ConvertChanged(vesper_scalar_type type, void* to, const void* from, const void* before,
+                    UnitRatio ratio, uint64_t count);
+
 /// Fills reals with a quiet NaN of a pattern that no arithmetic makes; leaves integers alone.
 void FillUnwritten(vesper_scalar_type type, void* values, uint64_t count);
 /// Whether value `index` still holds that pattern.

@@ -3,13 +3,20 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "converting_runner.hpp"
 #include "foreign_call.hpp"
 
 namespace vesper {
 
 LoadedLaw::LoadedLaw(const vesper_law_desc& desc, uint32_t law_index,
                      std::vector<MatchedUse> matched, bool validate)
-    : law(desc), index(law_index), uses(std::move(matched)), runner(MakeRunner(law, validate)) {}
+    : law(desc), index(law_index), uses(std::move(matched)), runner(MakeRunner(law, validate)) {
+  std::vector<UnitRatio> ratios;
+  for (const MatchedUse& use : uses) ratios.push_back(use.to_law);
+  const auto is_one = [](const UnitRatio& ratio) { return ratio.IsOne(); };
+  if (std::all_of(ratios.begin(), ratios.end(), is_one)) return;
+  runner = MakeConvertingRunner(law, std::move(runner), std::move(ratios));
+}
 
 bool LoadedLaw::Writes(uint32_t property) const {
   return std::any_of(uses.begin(), uses.end(), [property](const MatchedUse& matched) {

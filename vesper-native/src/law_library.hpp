@@ -7,6 +7,7 @@
 
 #include "aligned_buffer.hpp"
 #include "config.hpp"
+#include "kernels.hpp"
 #include "law.hpp"
 #include "law_runner.hpp"
 #include "prepared_library.hpp"
@@ -18,7 +19,8 @@ namespace vesper {
 struct MatchedUse {
   uint32_t property;  // kNone: optional, and not in the prototype
   const vesper_property_use* use;
-  AlignedBuffer share;  // what the law accumulates, where that is kept apart from the total
+  AlignedBuffer share{};  // what the law accumulates, where that is kept apart from the total
+  UnitRatio to_law{};     // from the property's unit to the one that the law declares
 };
 
 /// A law with everything the engine keeps for it.

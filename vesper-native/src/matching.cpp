@@ -38,7 +38,8 @@ void CheckUse(const vesper_law_desc& law, const vesper_property_use& use, const 
                    DescribeType(use.scalar_type, use.components),
                    DescribeType(spec.type, spec.components));
   }
-  if (!SameUnit(spec.unit, use.unit)) {
+  const bool convertible = IsReal(spec.type) && SameDimension(spec.unit, use.unit);
+  if (!convertible && !SameUnit(spec.unit, use.unit)) {
     throw Mismatch(VESPER_UNIT_MISMATCH, law, use, "unit", Describe(use.unit),
                    Describe(spec.unit));
   }
@@ -144,11 +145,12 @@ std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& p
   const StructArray uses(law.uses, law.use_count, "uses");
   std::vector<MatchedUse> matched;
   for (uint32_t i = 0; i < uses.size(); ++i) {
-    matched.push_back({FindProperty(law, uses[i], prototype), &uses[i], {}});
+    matched.push_back({.property = FindProperty(law, uses[i], prototype), .use = &uses[i]});
     const uint32_t property = matched.back().property;
     if (property == kNone) continue;
     const PropertySpec& spec = prototype.properties()[property];
     CheckUse(law, uses[i], spec, prototype.kinds()[spec.kind]);
+    matched.back().to_law = {spec.unit.scale, uses[i].unit.scale};
     if (columns[property].arrays.indices != nullptr) CheckShared(law, uses[i]);
   }
   return matched;

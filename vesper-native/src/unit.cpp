@@ -9,7 +9,11 @@
 namespace vesper {
 
 bool SameUnit(const vesper_unit& a, const vesper_unit& b) {
-  return std::memcmp(a.exponent, b.exponent, sizeof a.exponent) == 0 && a.scale == b.scale;
+  return SameDimension(a, b) && a.scale == b.scale;
+}
+
+bool SameDimension(const vesper_unit& a, const vesper_unit& b) {
+  return std::memcmp(a.exponent, b.exponent, sizeof a.exponent) == 0;
 }
 
 bool IsValidUnit(const vesper_unit& unit) {

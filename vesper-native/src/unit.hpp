@@ -12,6 +12,8 @@ namespace vesper {
 inline constexpr size_t kMaxNameLength = 47;
 
 bool SameUnit(const vesper_unit& a, const vesper_unit& b);
+/// Whether values of one can be converted to the other by a factor.
+bool SameDimension(const vesper_unit& a, const vesper_unit& b);
 /// Finite positive scale, terminated symbol, reserved byte zero.
 bool IsValidUnit(const vesper_unit& unit);
 /// The symbol and, where the symbol alone could mislead, the SI form: "N = m*kg*s^-2".

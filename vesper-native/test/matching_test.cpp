@@ -30,7 +30,8 @@ TEST_F(MatchingTest, MismatchesNameBothSides) {
   EXPECT_REFUSED(TYPE_MISMATCH, "type is f64 x 4, expected f64 x 3",
                  engine.TryLoad("asking_components"));
   EXPECT_REFUSED(UNIT_MISMATCH, "unit is kg, expected m", engine.TryLoad("asking_unit"));
-  EXPECT_REFUSED(UNIT_MISMATCH, "unit is km = 1000*m, expected m", engine.TryLoad("asking_scale"));
+  EXPECT_REFUSED(UNIT_MISMATCH, "unit is percent = 0.01, expected 1",
+                 engine.TryLoad("asking_integer_scale"));
   EXPECT_REFUSED(ACCESS_CONFLICT, "asks for READ_WRITE, but the prototype allows READ",
                  engine.TryLoad("asking_access"));
 }

@@ -84,6 +84,13 @@ VESPER_API const vesper_layout_entry* vesper_abi_layout(uint32_t* count) VESPER_
 /** The standard prototypes, "si-f64" and "si-f32"; null for any other name. Static. */
 VESPER_API const vesper_prototype* vesper_prototype_standard(const char* name) VESPER_NOEXCEPT;
 
+/** Reads a unit as people write it, e.g. "N/m", "kg*m^2/s^2", "km/h", "m^3/(kg*s^2)", "deg", "1".
+ *  Products and quotients from left to right of powers with whole exponents; parentheses; SI units
+ *  with prefixes f to P, and deg, min, h, d, L, t, bar, eV; numbers above 0. The symbol of `out` is
+ *  the text, or empty if that is longer than 15 bytes. INVALID_ARGUMENT names the column. */
+VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
+                                           vesper_error* error) VESPER_NOEXCEPT;
+
 VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
 VESPER_API vesper_status vesper_engine_create(const vesper_engine_config* config,
                                               const vesper_prototype* prototype,

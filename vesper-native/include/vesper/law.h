@@ -59,7 +59,9 @@ typedef struct vesper_step {
 /** `vesper_property_use.flags`: absent is fine; then `bind` sees null data and 0 rows. */
 #define VESPER_USE_OPTIONAL 1u
 
-/** A property that a law uses. Matched by name; kind, type, components and unit must agree. */
+/** A property that a law uses. Matched by name; kind, type, components and dimension must agree. If
+ *  the unit of a real property differs in scale, the law sees a converted column of its own; what
+ *  it writes is converted back, and values that it leaves alone keep their bits. */
 typedef struct vesper_property_use {
   uint32_t struct_size;
   vesper_scalar_type scalar_type;

@@ -29,7 +29,7 @@ typedef int32_t vesper_status;
 #define VESPER_BUSY 4                 /**< The engine is inside `advance`. */
 #define VESPER_ABI_MISMATCH 5         /**< A library was built for another contract version. */
 #define VESPER_TYPE_MISMATCH 6        /**< Scalar type or number of components differ. */
-#define VESPER_UNIT_MISMATCH 7        /**< Units differ in dimension or in scale. */
+#define VESPER_UNIT_MISMATCH 7        /**< Units differ in dimension, or no real type. */
 #define VESPER_COUNT_MISMATCH 8       /**< Properties of one kind have different row counts. */
 #define VESPER_ACCESS_CONFLICT 9      /**< A law asks for more than allowed, or two laws collide. */
 #define VESPER_LIBRARY_LOAD_FAILED 10 /**< The file is no complete, loadable law library. */
