@@ -19,6 +19,10 @@
 extern "C" [[gnu::visibility("default")]] const char* __asan_default_options() {
   return "handle_segv=0:handle_sigbus=0:handle_abort=0";
 }
+#elif defined(__SANITIZE_THREAD__)
+extern "C" [[gnu::visibility("default")]] const char* __tsan_default_options() {
+  return "handle_segv=0:handle_sigbus=0:handle_abort=0";
+}
 #endif
 
 namespace {

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "floating_point.hpp"
+#include "thread_sanitizer.hpp"
 
 namespace vesper {
 namespace {
@@ -32,12 +33,17 @@ void ThreadPool::ParallelFor(uint64_t count, uint64_t grain, RangeBody body, voi
     for (uint64_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
     return;
   }
+  char fork = 0, join = 0;  // two points in time, for the thread sanitizer
+  ComesBefore(&fork);
   arena_->execute([&] {
     tbb::parallel_for(uint64_t{0}, chunks, [&](uint64_t chunk) {
+      ComesAfter(&fork);
       const FloatingPointGuard guard;
       run(chunk);
+      ComesBefore(&join);
     });
   });
+  ComesAfter(&join);
 }
 
 }  // namespace vesper
