@@ -9,12 +9,13 @@ write_basic_package_version_file(${CMAKE_BINARY_DIR}/VesperConfigVersion.cmake
   COMPATIBILITY SameMajorVersion)
 file(COPY ${law_files} DESTINATION ${CMAKE_BINARY_DIR})
 
-export(TARGETS vesper sdk probe law_kit NAMESPACE Vesper:: FILE ${CMAKE_BINARY_DIR}/VesperTargets.cmake)
+export(TARGETS vesper sdk probe law_kit command NAMESPACE Vesper:: FILE ${CMAKE_BINARY_DIR}/VesperTargets.cmake)
 # The probe is installed beside the library, where the engine looks for it.
 install(TARGETS vesper sdk probe law_kit EXPORT VesperTargets
   LIBRARY DESTINATION ${CMAKE_INSTALL_LIBDIR}
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
   RUNTIME DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS command EXPORT VesperTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 install(DIRECTORY ${CMAKE_SOURCE_DIR}/include/vesper ${CMAKE_SOURCE_DIR}/kit/include/vesper DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(EXPORT VesperTargets NAMESPACE Vesper:: DESTINATION ${package_dir})
 install(FILES ${CMAKE_BINARY_DIR}/VesperConfig.cmake ${CMAKE_BINARY_DIR}/VesperConfigVersion.cmake

@@ -1,0 +1,198 @@
+// `vesper run` on the sample scenes, against closed forms and invariants.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.hpp"
+
+namespace vesper {
+namespace {
+
+const std::string kScenes = VESPER_SCENES;
+
+/// Numbers of a CSV file: by column name, one per line.
+using Table = std::map<std::string, std::vector<double>>;
+
+Table ReadCsv(const std::string& path) {
+  std::istringstream text(ReadText(path));
+  std::vector<std::string> names;
+  Table table;
+  for (std::string line; std::getline(text, line);) {
+    std::istringstream cells(line);
+    size_t column = 0;
+    const bool is_header = names.empty();
+    for (std::string cell; std::getline(cells, cell, ','); ++column) {
+      if (is_header) {
+        names.push_back(cell);
+      } else {
+        table[names.at(column)].push_back(std::stod(cell));
+      }
+    }
+  }
+  return table;
+}
+
+Outcome RunScene(const std::string& scene, std::vector<std::string> options) {
+  options.insert(options.begin(), {"run", scene, "--laws", VESPER_LAW_PATH});
+  return RunVesper(options);
+}
+
+Table CsvOf(const std::string& scene, uint64_t frames, uint64_t every) {
+  const Folder folder;
+  const Outcome outcome =
+      RunScene(kScenes + "/" + scene, {"--frames", std::to_string(frames), "--every",
+                                       std::to_string(every), "--csv", folder / "out.csv"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  return ReadCsv(folder / "out.csv");
+}
+
+// Semi-implicit Euler: y(n) = n v dt - n (n + 1)/2 g dt^2.
+TEST(RunTest, ProjectilesFollowTheClosedFormOfTheScheme) {
+  const Table t = CsvOf("projectile.vesper", 200, 50);
+  ASSERT_EQ(t.at("frame").size(), 5u * 3);
+  for (size_t i = 0; i < t.at("frame").size(); ++i) {
+    const double n = t.at("frame")[i] * 10, dt = 1e-3, angle = (30 + 15 * t.at("row")[i]) * M_PI / 180;
+    EXPECT_NEAR(t.at("time")[i], n * dt, 1e-12);
+    EXPECT_NEAR(t.at("position.x")[i], 20 * std::cos(angle) * n * dt, 1e-9);
+    EXPECT_NEAR(t.at("position.y")[i],
+                20 * std::sin(angle) * n * dt - 9.81 * n * (n + 1) / 2 * dt * dt, 1e-9);
+    EXPECT_EQ(t.at("position.z")[i], 0);
+  }
+}
+
+TEST(RunTest, OrbitKeepsMomentumAndTheSpringsPlane) {
+  const Table t = CsvOf("spring-orbit.vesper", 600, 60);
+  const auto &vx = t.at("velocity.x"), &vy = t.at("velocity.y");
+  ASSERT_EQ(vx.size(), 11u * 2);
+  for (size_t i = 0; i < vx.size(); i += 2) {
+    EXPECT_NEAR(1000 * vx[i] + vx[i + 1], 0, 1e-8);
+    EXPECT_NEAR(1000 * vy[i] + vy[i + 1], 3000, 1e-8);
+    EXPECT_EQ(t.at("position.z")[i + 1], 0);
+  }
+  EXPECT_GT(std::abs(vx.back()), 1);  // the light one does move
+}
+
+TEST(RunTest, WebHangsFromItsRimAndKeepsItsMirrorSymmetry) {
+  const Table t = CsvOf("spider-web.vesper", 240, 240);
+  const auto &x = t.at("position.x"), &y = t.at("position.y");
+  const size_t rows = 129, end = rows;  // the second of two frames
+  ASSERT_EQ(x.size(), 2 * rows);
+  for (size_t i = 113; i < rows; ++i) {
+    EXPECT_EQ(x[end + i], x[i]);
+    EXPECT_EQ(y[end + i], y[i]);
+  }
+  EXPECT_LT(y[end], -0.003);
+  EXPECT_NEAR(x[end], 0, 1e-9);  // left and right pull alike
+}
+
+TEST(RunTest, SameBitsForAnyNumberOfThreadsAndInValidateMode) {
+  const auto hash = [](const std::vector<std::string>& options) {
+    std::vector<std::string> all{"--frames", "30", "--json"};
+    all.insert(all.end(), options.begin(), options.end());
+    const Outcome outcome = RunScene(kScenes + "/spider-web.vesper", all);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+    return nlohmann::json::parse(outcome.output).at("stateHash").get<std::string>();
+  };
+  const std::string one = hash({});
+  EXPECT_EQ(hash({"--threads", "2"}), one);
+  EXPECT_EQ(hash({"--threads", "8"}), one);
+  EXPECT_EQ(hash({"--validate"}), one);
+}
+
+TEST(RunTest, JsonSaysWhatWasDone) {
+  const Outcome outcome = RunScene(kScenes + "/projectile.vesper", {"--frames", "7", "--json"});
+  const auto report = nlohmann::json::parse(outcome.output);
+  EXPECT_EQ(report.at("frames"), 7);
+  EXPECT_EQ(report.at("steps"), 70);
+  EXPECT_NEAR(report.at("time").get<double>(), 0.07, 1e-15);
+  ASSERT_EQ(report.at("laws").size(), 2u);
+  EXPECT_EQ(report.at("laws")[0].at("law"), "gravity_field");
+  EXPECT_EQ(report.at("laws")[0].at("calls"), 70);
+}
+
+TEST(RunTest, WrongUsageEndsWith2) {
+  EXPECT_EQ(RunVesper({}).exit_code, 2);
+  EXPECT_EQ(RunVesper({"run"}).exit_code, 2);
+  EXPECT_EQ(RunVesper({"run", "x", "--every", "0"}).exit_code, 2);
+  EXPECT_EQ(RunVesper({"fly"}).exit_code, 2);
+  EXPECT_EQ(RunVesper({"run", "--help"}).exit_code, 0);
+}
+
+TEST(RunTest, InvalidSceneEndsWith3AndNamesThePlace) {
+  const Folder folder;
+  const std::string scene = folder.Write("s.vesper", "scene 1\ndt 1\nrows bodi 1\n");
+  const Outcome outcome = RunScene(scene, {});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(outcome.errors,
+            "vesper: " + scene + ":3:6: 'bodi' is no kind; did you mean 'body'?\n");
+}
+
+TEST(RunTest, MissingSceneEndsWith3) {
+  const Outcome outcome = RunScene("nowhere.vesper", {});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_EQ(outcome.errors, "vesper: nowhere.vesper: No such file or directory\n");
+}
+
+TEST(RunTest, UnknownLawEndsWith4AtItsLine) {
+  const Folder folder;
+  const std::string scene = folder.Write("s.vesper", "scene 1\ndt 1\nlaw newton_motoin\n");
+  const Outcome outcome = RunScene(scene, {});
+  EXPECT_EQ(outcome.exit_code, 4);
+  EXPECT_NE(outcome.errors.find(scene + ":3:5: newton_motoin: "), std::string::npos)
+      << outcome.errors;
+}
+
+TEST(RunTest, SceneWithoutAPropertyThatALawNeedsEndsWith3AndNamesIt) {
+  const Folder folder;
+  const Outcome outcome = RunScene(
+      folder.Write("s.vesper", "scene 1\ndt 1\nlaw newton_motion\nrows body 1\nmass 1\n"), {});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.errors.find("velocity"), std::string::npos) << outcome.errors;
+}
+
+TEST(RunTest, ReferenceOutOfRangeIsRefusedAtItsLine) {
+  const Folder folder;
+  const std::string scene = folder.Write(
+      "s.vesper",
+      "scene 1\ndt 1\nlaw hooke_spring\nrows body 1\nposition all (0 0 0)\nvelocity all (0 0 0)\n"
+      "rows spring 1\nendpoints (0 1)\nlength 1\nhookeConstant 1\n");
+  const Outcome outcome = RunScene(scene, {});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.errors.find(scene + ":8:1: "), std::string::npos) << outcome.errors;
+}
+
+TEST(RunTest, LawThatBreaksDownEndsWith1AndNamesFrameLawAndProperty) {
+  const Folder folder;
+  const Outcome outcome = RunScene(
+      folder.Write("s.vesper",
+                   "scene 1\ndt 1\nlaw gravity_field\nlaw newton_motion\nrows world 1\n"
+                   "gravity (0 1e308 0)\nrows body 1\nmass 1\nposition (0 0 0)\nvelocity (0 0 0)\n"),
+      {});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.errors.find(": frame 2: LAW_MISBEHAVED: "), std::string::npos)
+      << outcome.errors;
+  EXPECT_NE(outcome.errors.find("newton_motion"), std::string::npos) << outcome.errors;
+}
+
+TEST(RunTest, CsvOfTwoKindsIsRefused) {
+  const Folder folder;
+  const Outcome outcome = RunScene(
+      folder.Write("s.vesper", "scene 1\ndt 1\nrows body 1\nmass 1\nrows spring 1\nlength 1\n"
+                               "csv mass length\n"),
+      {"--csv", folder / "x.csv"});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.errors.find("properties of body and of spring"), std::string::npos);
+}
+
+TEST(RunTest, CsvThatCannotBeWrittenEndsWith1) {
+  const Outcome outcome =
+      RunScene(kScenes + "/projectile.vesper", {"--csv", "/nowhere/at/all.csv"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_EQ(outcome.errors, "vesper: /nowhere/at/all.csv: cannot be written\n");
+}
+
+}  // namespace
+}  // namespace vesper

@@ -1,0 +1,38 @@
+// Writes chosen properties frame by frame: a line per frame and row.
+#pragma once
+
+#include <fstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "scene.hpp"
+
+namespace vesper::cli {
+
+/// A file that cannot be written.
+class FileError : public std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// "1.5", the shortest text that reads back as the same number of that type.
+std::string FormatNumber(double number, vesper_scalar_type type);
+
+class CsvWriter {
+ public:
+  /// `columns`: of one kind, borrowed. Throws FileError if the file cannot be written.
+  CsvWriter(const std::string& path, std::vector<const AnyColumn*> columns);
+
+  void WriteFrame(uint64_t frame, double time);
+  /// Throws FileError if something was not written.
+  void Close();
+
+ private:
+  void Check() const;
+
+  std::string path_;
+  std::ofstream file_;
+  std::vector<const AnyColumn*> columns_;
+};
+
+}  // namespace vesper::cli

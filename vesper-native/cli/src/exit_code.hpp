@@ -1,0 +1,12 @@
+// How commands end; docs/command-line.md has the same table.
+#pragma once
+
+namespace vesper::cli {
+
+inline constexpr int kDone = 0;
+inline constexpr int kFailed = 1;
+inline constexpr int kWrongUsage = 2;
+inline constexpr int kInvalidScene = 3;
+inline constexpr int kNotLoaded = 4;  // a law, or the renderer
+
+}  // namespace vesper::cli

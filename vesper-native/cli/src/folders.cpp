@@ -1,0 +1,27 @@
+#include "folders.hpp"
+
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+namespace vesper::cli {
+
+std::string ProgramFolder() {
+  return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
+}
+
+std::vector<std::string> DefaultLawFolders() {
+  std::vector<std::string> folders;
+  if (const char* path = std::getenv("VESPER_LAW_PATH")) {
+    std::istringstream parts(path);
+    for (std::string part; std::getline(parts, part, ':');) {
+      if (!part.empty()) folders.push_back(part);
+    }
+    return folders;
+  }
+  const std::string beside = ProgramFolder() + "/laws";
+  if (std::filesystem::is_directory(beside)) folders.push_back(beside);
+  return folders;
+}
+
+}  // namespace vesper::cli

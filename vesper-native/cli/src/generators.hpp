@@ -1,0 +1,18 @@
+// The values of a property, listed or generated.
+#pragma once
+
+#include <string>
+
+#include "scene.hpp"
+#include "scene_reader.hpp"
+
+namespace vesper::cli {
+
+/// Reads the rest of a line into all rows of a column: a value for each row, or a generator.
+void ReadColumn(SceneReader& reader, const Scene& scene, AnyColumn& column);
+/// Reads one value that has the column's components.
+Value ReadRow(SceneReader& reader, const AnyColumn& column);
+/// Checks that the column's type can hold the value; `reader` says where it came from.
+void SetRow(SceneReader& reader, AnyColumn& column, uint64_t row, const Value& value);
+
+}  // namespace vesper::cli

@@ -1,0 +1,56 @@
+// vesper: the engine on the command line.
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "exit_code.hpp"
+#include "folders.hpp"
+#include "run_command.hpp"
+#include "vesper/vesper.hpp"
+
+namespace {
+
+using namespace vesper::cli;
+
+constexpr auto kFooter =
+    "Results go to standard output, messages to standard error.\n"
+    "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid scene, 4 a law could not be loaded.";
+
+void AddRun(CLI::App& app, int& code) {
+  auto* command = app.add_subcommand("run", "Applies the laws of a scene, frame by frame.");
+  auto options = std::make_shared<RunOptions>();
+  options->law_folders = DefaultLawFolders();
+  command->add_option("SCENE", options->scene, "The scene's file")->required();
+  command->add_option("--frames", options->frames, "Frames to run")->capture_default_str();
+  command->add_option("--every", options->every, "Frames from one written frame to the next")
+      ->check(CLI::Range(uint64_t{1}, UINT64_MAX))
+      ->capture_default_str();
+  command->add_option("--csv", options->csv, "Write properties to this file, frame 0 first");
+  command->add_option("--laws", options->law_folders, "Folder with law libraries; may be repeated")
+      ->capture_default_str();
+  command->add_option("--threads", options->threads, "Threads")
+      ->check(CLI::Range(1, 1024))
+      ->capture_default_str();
+  command->add_flag("--validate", options->validate, "Hold laws to their declarations");
+  command->add_flag("--json", options->json, "Print the report as one JSON document");
+  command->callback([options, &code] { code = Run(*options); });
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("The Vesper physics engine on the command line.", "vesper");
+  app.footer(kFooter);
+  app.require_subcommand(1);
+  app.set_version_flag("--version", vesper_build_info());
+  int code = kDone;
+  AddRun(app, code);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? kDone : kWrongUsage;
+  } catch (const std::exception& error) {
+    std::cerr << "vesper: " << error.what() << "\n";
+    return kFailed;
+  }
+  return code;
+}

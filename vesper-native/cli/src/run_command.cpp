@@ -1,0 +1,222 @@
+#include "run_command.hpp"
+
+#include <cinttypes>
+#include <csignal>
+#include <cstdio>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <span>
+
+#include "csv.hpp"
+#include "exit_code.hpp"
+#include "scene.hpp"
+#include "text_table.hpp"
+#include "vesper/vesper.hpp"
+
+namespace vesper::cli {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+/// Ctrl-C and SIGTERM end the run after its frame.
+void EndOnSignals() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { interrupted = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+std::string Join(const std::vector<std::string>& texts, char separator) {
+  std::string joined;
+  for (const std::string& text : texts) joined += (joined.empty() ? "" : std::string(1, separator)) + text;
+  return joined;
+}
+
+/// A library named by a path is looked for from the scene's folder.
+std::string Locate(const std::string& library, const std::string& scene) {
+  if (library.find('/') == std::string::npos || library[0] == '/') return library;
+  const size_t slash = scene.rfind('/');
+  return slash == std::string::npos ? library : scene.substr(0, slash + 1) + library;
+}
+
+int Fail(int code, const std::string& message) {
+  std::cerr << "vesper: " << message << "\n";
+  return code;
+}
+
+/// A law of a scene that could not be loaded, or does not fit.
+class LawError : public SceneError {
+  using SceneError::SceneError;
+};
+
+class SceneRun {
+ public:
+  SceneRun(Scene scene, const RunOptions& options)
+      : scene_(std::move(scene)),
+        options_(options),
+        engine_(*scene_.prototype, {.threads = options.threads,
+                                    .validate = options.validate,
+                                    .law_path = Join(options.law_folders, ':'),
+                                    .log = [](uint32_t, const char* line) {
+                                      std::cerr << "vesper: " << line << "\n";
+                                    }}) {
+    AddSums();
+    for (auto& [name, column] : scene_.columns) column.AddTo(engine_.PropertyProvider());
+    for (const SceneLaw& law : scene_.laws) Load(law);
+    if (!options.csv.empty()) csv_.emplace(options.csv, CsvColumns());
+  }
+
+  void Advance() {
+    Write(0);
+    for (frame_ = 0; frame_ < options_.frames && interrupted == 0;) {
+      engine_.Advance(scene_.dt, scene_.steps);
+      if (++frame_ % options_.every == 0) Write(frame_);
+    }
+    if (csv_) csv_->Close();
+  }
+
+  /// Where a failed frame has its cause: a law that broke down, or else the scene.
+  int Explain(const Error& error) const {
+    if (error.status() == VESPER_LAW_FAILED || error.status() == VESPER_LAW_MISBEHAVED) {
+      return Fail(kFailed, scene_.file + ": frame " + std::to_string(frame_ + 1) + ": " +
+                               error.what());
+    }
+    const auto place = scene_.places.find(std::string(error.property()));
+    return Fail(kInvalidScene, place == scene_.places.end()
+                                   ? scene_.file + ": " + error.what()
+                                   : SceneError(place->second, error.what()).what());
+  }
+
+  void Report() {
+    char hash[17];
+    std::snprintf(hash, sizeof hash, "%016" PRIx64, engine_.StateHash());
+    options_.json ? ReportJson(hash) : ReportText(hash);
+  }
+
+ private:
+  /// Sums of forces start at zero and are the engine's; a scene does not speak of them.
+  void AddSums() {
+    const auto& prototype = *scene_.prototype;
+    for (const auto& property : std::span(prototype.properties, prototype.property_count)) {
+      const auto rows = scene_.rows.find(property.kind);
+      if ((property.law_access & VESPER_ACCUMULATE) == 0 || rows == scene_.rows.end()) continue;
+      scene_.columns.emplace(property.name, AnyColumn(property, rows->second));
+    }
+  }
+
+  void Load(const SceneLaw& law) {
+    try {
+      libraries_.push_back(
+          engine_.LoadPhysicsLaw(Locate(law.library, scene_.file), law.parameters));
+    } catch (const Error& error) {
+      throw LawError(law.place, law.library + ": " + error.what());
+    }
+  }
+
+  std::vector<const AnyColumn*> CsvColumns() const {
+    std::vector<std::string> names = scene_.csv;
+    if (names.empty()) names = {"position"};
+    std::vector<const AnyColumn*> columns;
+    for (const std::string& name : names) {
+      const AnyColumn* column = scene_.Find(name);
+      if (column == nullptr) {
+        throw std::runtime_error(scene_.file + ": no values for '" + name +
+                                 "', which --csv would write; say what to write with 'csv NAME…'");
+      }
+      const std::string kind = column->descriptor().kind;
+      columns.push_back(column);
+      if (columns[0]->descriptor().kind != kind) {
+        throw std::runtime_error(scene_.file + ": 'csv' names properties of " +
+                                 columns[0]->descriptor().kind + " and of " + kind +
+                                 "; expected one kind");
+      }
+    }
+    return columns;
+  }
+
+  double Time(uint64_t frame) const {
+    return static_cast<double>(frame * scene_.steps) * scene_.dt;
+  }
+
+  void Write(uint64_t frame) {
+    if (csv_) csv_->WriteFrame(frame, Time(frame));
+  }
+
+  std::vector<vesper_law_info> Laws() const {
+    std::vector<vesper_law_info> laws;
+    for (const vesper_library_id library : libraries_) {
+      const auto more = engine_.Laws(library);
+      laws.insert(laws.end(), more.begin(), more.end());
+    }
+    return laws;
+  }
+
+  void ReportJson(const char* hash) const {
+    nlohmann::ordered_json report{{"scene", scene_.file},
+                                  {"prototype", scene_.prototype->name},
+                                  {"frames", frame_},
+                                  {"steps", engine_.StepCount()},
+                                  {"dt", scene_.dt},
+                                  {"time", Time(frame_)},
+                                  {"stateHash", hash},
+                                  {"laws", nlohmann::ordered_json::array()}};
+    for (const vesper_law_info& law : Laws()) {
+      report["laws"].push_back({{"library", law.library},
+                                {"law", law.name},
+                                {"version", law.version},
+                                {"calls", law.calls},
+                                {"nanoseconds", law.nanoseconds}});
+    }
+    std::cout << report.dump() << "\n";
+  }
+
+  void ReportText(const char* hash) const {
+    std::cout << scene_.file << ": " << frame_ << " frames, " << engine_.StepCount()
+              << " steps, t = " << FormatNumber(Time(frame_), VESPER_F32) << " s, state hash "
+              << hash << "\n";
+    TextTable table;
+    for (const vesper_law_info& law : Laws()) {
+      const double each = law.calls == 0 ? 0 : 1e-3 * static_cast<double>(law.nanoseconds) /
+                                                   static_cast<double>(law.calls);
+      char time[32];
+      std::snprintf(time, sizeof time, "%.2f us", each);
+      table.push_back({law.name, law.version, std::to_string(law.calls) + " calls", time});
+    }
+    Print(std::cout, table, "  ");
+  }
+
+  Scene scene_;
+  const RunOptions& options_;
+  PhysicsEngine engine_;
+  std::vector<vesper_library_id> libraries_;
+  std::optional<CsvWriter> csv_;
+  uint64_t frame_ = 0;
+};
+
+}  // namespace
+
+int Run(const RunOptions& options) {
+  EndOnSignals();
+  std::optional<SceneRun> run;
+  try {
+    run.emplace(ReadScene(options.scene), options);
+  } catch (const LawError& error) {
+    return Fail(kNotLoaded, error.what());
+  } catch (const FileError& error) {
+    return Fail(kFailed, error.what());
+  } catch (const std::runtime_error& error) {
+    return Fail(kInvalidScene, error.what());
+  }
+  try {
+    run->Advance();
+  } catch (const FileError& error) {
+    return Fail(kFailed, error.what());
+  } catch (const Error& error) {
+    return run->Explain(error);
+  }
+  run->Report();
+  return kDone;
+}
+
+}  // namespace vesper::cli

@@ -1,0 +1,24 @@
+// vesper run: applies the laws of a scene, frame by frame.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace vesper::cli {
+
+struct RunOptions {
+  std::string scene;
+  uint64_t frames = 60;
+  uint64_t every = 1;  // frames between two that are written
+  std::string csv;     // file; empty: none
+  std::vector<std::string> law_folders;
+  uint32_t threads = 1;
+  bool validate = false;
+  bool json = false;
+};
+
+/// The exit code. Results go to standard output, messages to standard error.
+int Run(const RunOptions& options);
+
+}  // namespace vesper::cli

@@ -1,0 +1,313 @@
+#include "scene.hpp"
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <span>
+
+#include "generators.hpp"
+#include "scene_reader.hpp"
+
+namespace vesper::cli {
+namespace {
+
+constexpr uintmax_t kLargestFile = 64 << 20;
+constexpr double kLargestColumn = 1e9;  // values
+constexpr uint64_t kLargestPicture = 8192;  // [px] a side
+
+using Names = std::vector<std::string>;
+
+/// What the lines of a scene do to it.
+class SceneParser {
+ public:
+  SceneParser(std::string text, const std::string& file) : reader_(std::move(text), file) {
+    scene_.file = file;
+    scene_.prototype = &StandardPrototype("si-f64");
+  }
+
+  Scene Parse() {
+    ReadHeader();
+    while (reader_.NextLine()) {
+      ReadLine();
+      reader_.ExpectEnd();
+    }
+    if (scene_.dt == 0) throw SceneError(reader_.Here(), "the scene has no 'dt'");
+    return std::move(scene_);
+  }
+
+ private:
+  struct Statement {
+    const char* name;
+    void (SceneParser::*read)();
+  };
+  static const std::array<Statement, 10> kStatements;
+
+  void ReadHeader() {
+    if (!reader_.NextLine() || !reader_.Accept("scene") ||
+        reader_.Number("the version of the format") != 1) {
+      throw SceneError({scene_.file, 1, 1}, "expected 'scene 1' in the first line");
+    }
+    reader_.ExpectEnd();
+  }
+
+  void ReadLine() {
+    Names names;
+    const std::string word = reader_.Word("a statement");
+    for (const Statement& statement : kStatements) {
+      if (word == statement.name) return (this->*statement.read)();
+      names.push_back(statement.name);
+    }
+    for (const auto* property : PropertiesOf(kind_)) names.push_back(property->name);
+    AnyColumn column = TakeColumn(word, names);
+    ReadColumn(reader_, scene_, column);
+    Keep(word, std::move(column));
+  }
+
+  std::span<const vesper_property_descriptor> Properties() const {
+    return {scene_.prototype->properties, scene_.prototype->property_count};
+  }
+
+  std::vector<const vesper_property_descriptor*> PropertiesOf(const std::string& kind) const {
+    std::vector<const vesper_property_descriptor*> found;
+    for (const auto& property : Properties()) {
+      if (property.kind == kind) found.push_back(&property);
+    }
+    return found;
+  }
+
+  Names Kinds() const {
+    Names kinds;
+    for (const auto& property : Properties()) {
+      if (std::ranges::find(kinds, property.kind) == kinds.end()) kinds.push_back(property.kind);
+    }
+    return kinds;
+  }
+
+  /// The column of the property named by the last word: as it is, or new and zero.
+  AnyColumn TakeColumn(const std::string& name, const Names& known) {
+    for (const auto& property : Properties()) {
+      if (property.name != name) continue;
+      if (property.kind != kind_) {
+        reader_.FailLast("'" + name + "' is a property of " + property.kind +
+                         (kind_.empty() ? "" : ", not of " + kind_) + "; it belongs below 'rows " + property.kind + " …'");
+      }
+      if ((property.law_access & VESPER_ACCUMULATE) != 0) {
+        reader_.FailLast("'" + name + "' is summed up by the engine and cannot be given" +
+                         (property.initial_from == nullptr
+                              ? std::string()
+                              : "; give '" + std::string(property.initial_from) + "' instead"));
+      }
+      const auto found = scene_.columns.find(name);
+      if (found != scene_.columns.end()) return found->second;
+      const uint64_t rows = scene_.rows.at(kind_);
+      if (static_cast<double>(rows) * property.components > kLargestColumn) {
+        reader_.FailLast("'" + name + "' would have more than 1e9 values");
+      }
+      return AnyColumn(property, rows);
+    }
+    reader_.FailUnknown(kind_.empty() ? "statement" : "statement or property of " + kind_, known);
+  }
+
+  void Keep(const std::string& name, AnyColumn column) {
+    scene_.columns.insert_or_assign(name, std::move(column));
+    scene_.places.insert_or_assign(name, reader_.LineStart());
+  }
+
+  // --- statements ---
+
+  void ReadPrototype() {
+    if (!scene_.rows.empty()) reader_.FailLast("must come before the first 'rows'");
+    const Names known{"si-f64", "si-f32"};
+    const std::string name = reader_.Word("a prototype");
+    if (std::ranges::find(known, name) == known.end()) reader_.FailUnknown("prototype", known);
+    scene_.prototype = &StandardPrototype(name);
+  }
+
+  void ReadDt() {
+    scene_.dt = reader_.Number("the length of a step in seconds");
+    if (scene_.dt <= 0) reader_.FailLast("expected a time above 0");
+  }
+
+  void ReadSteps() {
+    scene_.steps = static_cast<uint32_t>(reader_.Count("the number of steps per frame", 1));
+  }
+
+  void ReadLaw() {
+    SceneLaw law{reader_.Word("the name or path of a law library"), {}, reader_.Last()};
+    while (!reader_.AtEnd()) {
+      const std::string name = reader_.Word("the name of a parameter");
+      reader_.Expect("=");
+      law.parameters.push_back({name, reader_.Number("the value of " + name)});
+    }
+    scene_.laws.push_back(std::move(law));
+  }
+
+  void ReadRows() {
+    kind_ = reader_.Word("a kind");
+    const Names kinds = Kinds();
+    if (std::ranges::find(kinds, kind_) == kinds.end()) reader_.FailUnknown("kind", kinds);
+    if (scene_.rows.contains(kind_)) reader_.FailLast("the rows of " + kind_ + " were given before");
+    scene_.rows[kind_] = reader_.Count("the number of rows", 0);
+    if (kind_ == "world" && scene_.rows[kind_] != 1) reader_.FailLast("the world has 1 row");
+  }
+
+  /// Row numbers and ranges A..B, up to where they end.
+  std::vector<uint64_t> ReadRowNumbers(uint64_t rows, const std::string& kind) {
+    std::vector<uint64_t> numbers;
+    while (!reader_.Peek().empty() && std::isdigit(static_cast<unsigned char>(reader_.Peek()[0]))) {
+      const std::string word = reader_.Word("a row");
+      const size_t dots = word.find("..");
+      double first, last;
+      if (!ParseNumber(word.substr(0, dots), first) ||
+          !ParseNumber(dots == std::string::npos ? word : word.substr(dots + 2), last) ||
+          first != std::floor(first) || last != std::floor(last) || last < first) {
+        reader_.FailLast("expected a row number, or a range such as 3..7");
+      }
+      if (last >= static_cast<double>(rows)) {
+        reader_.FailLast(kind + " has " + std::to_string(rows) + " rows; they count from 0");
+      }
+      for (auto row = static_cast<uint64_t>(first); row <= static_cast<uint64_t>(last); ++row) {
+        numbers.push_back(row);
+      }
+    }
+    return numbers;
+  }
+
+  /// at ROW…: PROPERTY VALUE
+  void ReadAt() {
+    if (kind_.empty()) reader_.FailLast("must come after 'rows'");
+    const auto rows = ReadRowNumbers(scene_.rows.at(kind_), kind_);
+    if (rows.empty()) throw SceneError(reader_.Here(), "expected row numbers");
+    reader_.Expect(":");
+    Names names;
+    for (const auto* property : PropertiesOf(kind_)) names.push_back(property->name);
+    const std::string name = reader_.Word("a property");
+    AnyColumn column = TakeColumn(name, names);
+    if (scene_.Find(name) == nullptr) {
+      reader_.FailLast("'" + name + "' has no values yet; give it for all rows first");
+    }
+    const Value value = ReadRow(reader_, column);
+    for (const uint64_t row : rows) SetRow(reader_, column, row, value);
+    Keep(name, std::move(column));
+  }
+
+  void ReadCsv() {
+    Names names;
+    for (const auto& property : Properties()) names.push_back(property.name);
+    while (!reader_.AtEnd()) {
+      scene_.csv.push_back(reader_.Word("a property"));
+      if (std::ranges::find(names, scene_.csv.back()) == names.end()) {
+        reader_.FailUnknown("property", names);
+      }
+    }
+  }
+
+  // --- pictures ---
+
+  Point ReadPoint(const std::string& what) {
+    const Value value = reader_.ReadValue(what);
+    if (value.size() != 3) reader_.FailLast("expected " + what + " as (x y z)");
+    return {value[0], value[1], value[2]};
+  }
+
+  void ReadImage() {
+    for (uint32_t* side : {&scene_.width, &scene_.height}) {
+      const uint64_t pixels = reader_.Count("a side of the picture in pixels", 1);
+      if (pixels > kLargestPicture) reader_.FailLast("expected at most 8192 pixels a side");
+      *side = static_cast<uint32_t>(pixels);
+    }
+  }
+
+  void ReadCamera() {
+    Camera& camera = scene_.camera;
+    while (!reader_.AtEnd()) {
+      const std::string part = reader_.Word("a part of the camera");
+      if (part == "eye") camera.eye = ReadPoint("the eye");
+      else if (part == "target") camera.target = ReadPoint("the target");
+      else if (part == "up") camera.up = ReadPoint("the direction up");
+      else if (part == "fov") camera.field_of_view = reader_.Number("the field of view in degrees");
+      else reader_.FailUnknown("part of the camera", {"eye", "target", "up", "fov"});
+    }
+    if (camera.eye == camera.target) reader_.FailLast("the eye is where the target is");
+    if (camera.field_of_view < 1 || camera.field_of_view > 170) {
+      reader_.FailLast("expected a field of view from 1 to 170 degrees");
+    }
+    scene_.has_camera = true;
+  }
+
+  Rgb ReadColour() {
+    const std::string text = reader_.Word("a colour such as #c0392b");
+    Rgb colour{};
+    const bool is_hex = text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
+    if (text.size() != 7 || text[0] != '#' || !is_hex) {
+      reader_.FailLast("expected a colour such as #c0392b");
+    }
+    for (size_t i = 0; i < 3; ++i) {
+      colour[i] = static_cast<uint8_t>(std::stoul(text.substr(1 + 2 * i, 2), nullptr, 16));
+    }
+    return colour;
+  }
+
+  /// show KIND [ROW…] [colour C] [radius R] [width W]
+  void ReadShow() {
+    Look look;
+    look.kind = reader_.Word("a kind");
+    if (!scene_.rows.contains(look.kind)) {
+      Names kinds;
+      for (const auto& [kind, rows] : scene_.rows) kinds.push_back(kind);
+      reader_.FailUnknown("kind of this scene so far", kinds);
+    }
+    look.rows = ReadRowNumbers(scene_.rows[look.kind], look.kind);
+    while (!reader_.AtEnd()) {
+      const std::string part = reader_.Word("a part of the look");
+      if (part == "colour") look.colour = ReadColour();
+      else if (part == "radius") look.radius = ReadSize("the radius in metres");
+      else if (part == "width") look.width = ReadSize("the width in pixels");
+      else reader_.FailUnknown("part of the look", {"colour", "radius", "width"});
+    }
+    scene_.looks.push_back(std::move(look));
+  }
+
+  double ReadSize(const std::string& what) {
+    const double size = reader_.Number(what);
+    if (size <= 0) reader_.FailLast("expected " + what + ", above 0");
+    return size;
+  }
+
+  SceneReader reader_;
+  Scene scene_;
+  std::string kind_;  // of the rows that are being described
+};
+
+const std::array<SceneParser::Statement, 10> SceneParser::kStatements{{
+    {"prototype", &SceneParser::ReadPrototype}, {"dt", &SceneParser::ReadDt},
+    {"steps", &SceneParser::ReadSteps},         {"law", &SceneParser::ReadLaw},
+    {"rows", &SceneParser::ReadRows},           {"at", &SceneParser::ReadAt},
+    {"csv", &SceneParser::ReadCsv},             {"image", &SceneParser::ReadImage},
+    {"camera", &SceneParser::ReadCamera},       {"show", &SceneParser::ReadShow},
+}};
+
+}  // namespace
+
+const AnyColumn* Scene::Find(const std::string& property) const {
+  const auto found = columns.find(property);
+  return found == columns.end() ? nullptr : &found->second;
+}
+
+Scene ReadScene(const std::string& file) {
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw std::runtime_error(file + ": " + error.message());
+  if (size > kLargestFile) throw std::runtime_error(file + ": larger than 64 MiB");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw std::runtime_error(file + ": cannot be read");
+  return ParseScene(std::move(text), file);
+}
+
+Scene ParseScene(std::string text, const std::string& file) {
+  return SceneParser(std::move(text), file).Parse();
+}
+
+}  // namespace vesper::cli

@@ -1,0 +1,57 @@
+// Goes through a scene file line by line and word by word.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "token.hpp"
+
+namespace vesper::cli {
+
+/// A number, or several in parentheses.
+using Value = std::vector<double>;
+
+class SceneReader {
+ public:
+  /// `text`: the whole file, `file` its name in messages.
+  SceneReader(std::string text, std::string file);
+
+  /// Goes to the next line that has words; false at the end of the file.
+  bool NextLine();
+  bool AtEnd() const { return next_ == tokens_.size(); }
+  /// The next word, empty at the end of the line; leaves it there.
+  std::string Peek() const { return AtEnd() ? "" : tokens_[next_].text; }
+  /// Whether the next word is `text`; takes it if so.
+  bool Accept(const std::string& text);
+  /// The next word; `what` names it in the message if there is none.
+  std::string Word(const std::string& what);
+  double Number(const std::string& what);
+  /// A whole number of at least `minimum`.
+  uint64_t Count(const std::string& what, uint64_t minimum);
+  Value ReadValue(const std::string& what);
+  void ExpectEnd();
+  void Expect(const std::string& text);
+
+  /// Of the next word, or behind the last.
+  Place Here() const;
+  /// Of the first word of the line.
+  Place LineStart() const;
+  /// Of the word that was taken last.
+  Place Last() const;
+  [[noreturn]] void FailLast(const std::string& message) const { throw SceneError(Last(), message); }
+  /// Refuses the last word, which is none of `known`; suggests the nearest of them.
+  [[noreturn]] void FailUnknown(const std::string& what, const std::vector<std::string>& known) const;
+
+ private:
+  const Token& Take(const std::string& what);
+
+  std::string text_;
+  Place place_;
+  size_t at_ = 0;  // where the next line begins
+  size_t line_length_ = 0;
+  std::vector<Token> tokens_;
+  size_t next_ = 0;
+};
+
+}  // namespace vesper::cli

@@ -1,0 +1,15 @@
+// A table of text with columns as wide as their widest entry.
+#pragma once
+
+#include <ostream>
+#include <string>
+#include <vector>
+
+namespace vesper::cli {
+
+using TextTable = std::vector<std::vector<std::string>>;  // rows of cells
+
+/// Prints each row behind `indent`, columns two blanks apart.
+void Print(std::ostream& out, const TextTable& table, const std::string& indent = "");
+
+}  // namespace vesper::cli

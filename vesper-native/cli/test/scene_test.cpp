@@ -1,0 +1,221 @@
+// Reading scenes: what a line means, and what is said about a line that means nothing.
+#include "scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace vesper::cli {
+namespace {
+
+constexpr auto kHead = "scene 1\ndt 1/240\n";
+
+Scene Parse(const std::string& body) { return ParseScene(kHead + body, "s"); }
+
+std::vector<double> Values(const Scene& scene, const std::string& property) {
+  std::vector<double> values;
+  const AnyColumn* column = scene.Find(property);
+  for (uint64_t i = 0; column != nullptr && i < column->size(); ++i) values.push_back(column->Get(i));
+  return values;
+}
+
+std::string ErrorOf(const std::string& text) {
+  try {
+    ParseScene(text, "s");
+  } catch (const SceneError& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+/// Of a scene whose third line is `line`, behind rows of three kinds if there is a third line.
+std::string ErrorIn(const std::string& line) {
+  return ErrorOf("scene 1\ndt 1\nrows world 1\nrows spring 2\nrows body 3\n" + line);
+}
+
+TEST(SceneTest, NumbersMayBeFractionsAndCommentsEndLines) {
+  const Scene scene = Parse("steps 4 # per frame\n#\n   # nothing\n");
+  EXPECT_EQ(scene.dt, 1.0 / 240);
+  EXPECT_EQ(scene.steps, 4u);
+  EXPECT_STREQ(scene.prototype->name, "si-f64");
+}
+
+TEST(SceneTest, LawsKeepTheirOrderAndParameters) {
+  const Scene scene = Parse("law b x=2 y = -1e3\nlaw \"./a b.so\"\n");
+  ASSERT_EQ(scene.laws.size(), 2u);
+  EXPECT_EQ(scene.laws[0].library, "b");
+  ASSERT_EQ(scene.laws[0].parameters.size(), 2u);
+  EXPECT_EQ(scene.laws[0].parameters[1].name, "y");
+  EXPECT_EQ(scene.laws[0].parameters[1].value, -1000);
+  EXPECT_EQ(scene.laws[1].library, "./a b.so");
+}
+
+TEST(SceneTest, ValuesAreListedRowByRowAndChangedByAt) {
+  const Scene scene = Parse("rows body 3\nmass 1 2 3\nposition (1 2 3) (4 5 6) (7 8 9)\n"
+                            "at 0 2..2: mass 1/2\n");
+  EXPECT_EQ(Values(scene, "mass"), (std::vector<double>{0.5, 2, 0.5}));
+  EXPECT_EQ(Values(scene, "position"), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+}
+
+TEST(SceneTest, SinglePrecisionHoldsSinglePrecision) {
+  const Scene scene = Parse("prototype si-f32\nrows body 1\nmass 0.1\n");
+  EXPECT_EQ(Values(scene, "mass"), std::vector<double>{0.1f});
+}
+
+TEST(GeneratorTest, LineIsEvenAndHoldsBothEnds) {
+  EXPECT_EQ(Values(Parse("rows body 5\nmass line 1 3\n"), "mass"),
+            (std::vector<double>{1, 1.5, 2, 2.5, 3}));
+}
+
+TEST(GeneratorTest, GridRunsFastestAlongX) {
+  const Scene scene =
+      Parse("rows body 8\nposition grid 2 2 2 spacing (1 2 4) origin (0 0 1)\n");
+  EXPECT_EQ(Values(scene, "position"),
+            (std::vector<double>{0, 0, 1, 1, 0, 1, 0, 2, 1, 1, 2, 1,  //
+                                 0, 0, 5, 1, 0, 5, 0, 2, 5, 1, 2, 5}));
+}
+
+TEST(GeneratorTest, GridEdgesJoinNeighboursOfTheGrid) {
+  const Scene scene = Parse("rows body 12\nposition grid 2 3 2 spacing 0.5\nrows spring 20\n"
+                            "endpoints grid-edges 2 3 2\nlength distance 2\n");
+  EXPECT_EQ(Values(scene, "length"), std::vector<double>(20, 1));
+}
+
+// A spoke of the innermost ring is as long as every other one; a chord of ring r measures 2 r sin.
+TEST(GeneratorTest, WebEdgesAreSpokesAndChords) {
+  const Scene scene = Parse("rows body 13\nposition web 2 6 radius 4\nrows spring 24\n"
+                            "endpoints web-edges 2 6\nlength distance\n");
+  const auto lengths = Values(scene, "length");
+  ASSERT_EQ(lengths.size(), 24u);
+  for (size_t i = 0; i < 24; ++i) EXPECT_NEAR(lengths[i], i < 18 ? 2 : 4, 1e-12) << i;
+}
+
+TEST(GeneratorTest, ChainJoinsEachRowToTheNext) {
+  EXPECT_EQ(Values(Parse("rows spring 3\nendpoints chain\n"), "endpoints"),
+            (std::vector<double>{0, 1, 1, 2, 2, 3}));
+}
+
+TEST(GeneratorTest, RandomIsEvenInItsRangeAndGivenByItsSeed) {
+  const std::string line = "rows body 1000\nposition random (0 -1 5) (1 1 5) seed ";
+  const auto a = Values(Parse(line + "7\n"), "position");
+  EXPECT_EQ(a, Values(Parse(line + "7\n"), "position"));
+  EXPECT_NE(a, Values(Parse(line + "8\n"), "position"));
+  double sum_x = 0, low_y = 1, high_y = -1;
+  for (size_t i = 0; i < a.size(); i += 3) {
+    sum_x += a[i];
+    low_y = std::min(low_y, a[i + 1]);
+    high_y = std::max(high_y, a[i + 1]);
+    EXPECT_EQ(a[i + 2], 5);
+  }
+  EXPECT_NEAR(sum_x / 1000, 0.5, 0.03);  // three standard deviations
+  EXPECT_NEAR(low_y, -1, 0.02);
+  EXPECT_NEAR(high_y, 1, 0.02);
+}
+
+TEST(SceneErrorTest, FileAsAWhole) {
+  EXPECT_EQ(ErrorOf(""), "s:1:1: expected 'scene 1' in the first line");
+  EXPECT_EQ(ErrorOf("scene 2\n"), "s:1:1: expected 'scene 1' in the first line");
+  EXPECT_EQ(ErrorOf("scene 1\n"), "s:1:8: the scene has no 'dt'");
+}
+
+struct Wrong {
+  const char* line;
+  const char* error;  // behind "s:6:"
+};
+void PrintTo(const Wrong& wrong, std::ostream* out) { *out << wrong.line; }
+
+class SceneLineErrorTest : public ::testing::TestWithParam<Wrong> {};
+
+TEST_P(SceneLineErrorTest, NamesPlaceFoundAndExpected) {
+  EXPECT_EQ(ErrorIn(GetParam().line), std::string("s:6:") + GetParam().error);
+}
+
+const Wrong kWrong[] = {
+    {"dt 0", "4: expected a time above 0"},
+    {"dt", "3: the line ends; expected the length of a step in seconds"},
+    {"dt 1/0", "4: found '1/0'; expected the length of a step in seconds, a number such as 1.5, "
+               "2e-3 or 1/240"},
+    {"dt 1 s", "6: found 's'; expected the end of the line"},
+    {"steps 1.5", "7: expected the number of steps per frame, a whole number from 1 to 1e9"},
+    {"prototype si-f64", "1: must come before the first 'rows'"},
+    {"law", "4: the line ends; expected the name or path of a law library"},
+    {"law x y", "8: found the end of the line; expected '='"},
+    {"law x y=z", "9: found 'z'; expected the value of y, a number such as 1.5, 2e-3 or 1/240"},
+    {"law \"x", "5: a quote without its end"},
+    {"dt\x01", "3: a control character; expected plain text"},
+    {"rows bodi 3", "6: 'bodi' is no kind; did you mean 'body'?"},
+    {"rows body 3", "6: the rows of body were given before"},
+    {"rows surface -1", "14: expected the number of rows, a whole number from 0 to 1e9"},
+    {"mas 1 2 3", "1: 'mas' is no statement or property of body; did you mean 'mass'?"},
+    {"length 1", "1: 'length' is a property of spring, not of body; it belongs below 'rows spring "
+                 "…'"},
+    {"externalForce all (0 0 0)", "1: 'externalForce' is summed up by the engine and cannot be "
+                                  "given; give 'appliedForce' instead"},
+    {"torque all (0 0 0)", "1: 'torque' is summed up by the engine and cannot be given"},
+    {"mass 1 2", "8: 2 values for 'mass'; expected one for each of the 3 rows of body, or 'all "
+                 "VALUE'"},
+    {"mass (1 2) 1 1", "10: 'mass' has 1 component per row, found 2"},
+    {"position 1 2 3", "10: 'position' has 3 components per row, found 1; write them in "
+                       "parentheses: (x y …)"},
+    {"position all (1 2", "18: '(' without its ')'"},
+    {"mass al 1", "6: 'al' is no generator; did you mean 'all'?"},
+    {"mass all 1e999", "10: found '1e999'; expected a value of 'mass', a number such as 1.5, 2e-3 "
+                       "or 1/240"},
+    {"position grid 2 2 2 spacing 1", "19: this makes 8 values; expected one for each of the 3 "
+                                      "rows of body"},
+    {"position grid 3 1 1 1", "21: found '1'; expected 'spacing'"},
+    {"mass grid 3 1 1 spacing 1", "6: makes points, but 'mass' has no three real components"},
+    {"mass chain", "6: makes pairs of rows, but 'mass' has none"},
+    {"mass distance", "6: needs 'endpoints' of the same kind, given before, and a real x 1"},
+    {"position random (0 0) 1 seed 1", "21: expected 1 or 3 numbers for 'position'"},
+    {"at 1: mass 1", "7: 'mass' has no values yet; give it for all rows first"},
+    {"at 3: mass 1", "4: body has 3 rows; they count from 0"},
+    {"at 2..1: mass 1", "4: expected a row number, or a range such as 3..7"},
+    {"at : mass 1", "4: expected row numbers"},
+    {"at 1 mass 1", "6: found 'mass'; expected ':'"},
+    {"at 1: length 1", "7: 'length' is a property of spring, not of body; it belongs below 'rows "
+                       "spring …'"},
+    {"csv positoin", "5: 'positoin' is no property; did you mean 'position'?"},
+    {"image 640 9999", "11: expected at most 8192 pixels a side"},
+    {"camera eye (1 2)", "16: expected the eye as (x y z)"},
+    {"camera eye (0 0 0)", "18: the eye is where the target is"},
+    {"camera fov 0.5", "12: expected a field of view from 1 to 170 degrees"},
+    {"camera fow 45", "8: 'fow' is no part of the camera; did you mean 'fov'?"},
+    {"show bodi", "6: 'bodi' is no kind of this scene so far; did you mean 'body'?"},
+    {"show surface", "6: 'surface' is no kind of this scene so far; there are body, spring, world"},
+    {"show body 7", "11: body has 3 rows; they count from 0"},
+    {"show body colour red", "18: expected a colour such as #c0392b"},
+    {"show body radius 0", "18: expected the radius in metres, above 0"},
+};
+INSTANTIATE_TEST_SUITE_P(Lines, SceneLineErrorTest, ::testing::ValuesIn(kWrong));
+
+TEST(SceneErrorTest, RowsOfTheWorldAreOne) {
+  EXPECT_EQ(ErrorOf("scene 1\nrows world 2\n"), "s:2:12: the world has 1 row");
+}
+
+TEST(SceneErrorTest, IntegersRefuseWhatTheyCannotHold) {
+  const std::string head = "scene 1\nrows spring 1\nendpoints (0 ";
+  const std::string tail = ": row 0 of 'endpoints': the property's type cannot hold this number";
+  EXPECT_EQ(ErrorOf(head + "1.5)\n"), "s:3:17" + tail);
+  EXPECT_EQ(ErrorOf(head + "-1)\n"), "s:3:16" + tail);
+}
+
+TEST(SceneErrorTest, SinglePrecisionRefusesWhatItCannotHold) {
+  EXPECT_EQ(ErrorOf("scene 1\nprototype si-f32\nrows body 1\nmass 1e39\n"),
+            "s:4:6: row 0 of 'mass': the property's type cannot hold this number");
+}
+
+TEST(SceneErrorTest, DistanceNeedsBodiesThatAreThere) {
+  EXPECT_EQ(ErrorOf("scene 1\nrows body 2\nposition all (0 0 0)\nrows spring 1\nendpoints (0 2)\n"
+                    "length distance\n"),
+            "s:6:8: 'endpoints' of row 0 name a body that is not there");
+}
+
+TEST(SceneErrorTest, FirstPropertyNeedsRows) {
+  EXPECT_EQ(ErrorOf("scene 1\nmass 1\n"),
+            "s:2:1: 'mass' is a property of body; it belongs below 'rows body …'");
+  EXPECT_EQ(ErrorOf("scene 1\nlav x\n"), "s:2:1: 'lav' is no statement; did you mean 'law'?");
+}
+
+}  // namespace
+}  // namespace vesper::cli
