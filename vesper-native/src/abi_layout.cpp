@@ -132,6 +132,22 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_library, open),
     FIELD(vesper_law_library, close),
 
+    STRUCT(vesper_provided_property),
+    FIELD(vesper_provided_property, struct_size),
+    FIELD(vesper_provided_property, reserved),
+    FIELD(vesper_provided_property, data),
+    FIELD(vesper_provided_property, value_count),
+    FIELD(vesper_provided_property, indices),
+    FIELD(vesper_provided_property, object_count),
+    FIELD(vesper_provided_property, version),
+
+    STRUCT(vesper_provider_callbacks),
+    FIELD(vesper_provider_callbacks, struct_size),
+    FIELD(vesper_provider_callbacks, reserved),
+    FIELD(vesper_provider_callbacks, user),
+    FIELD(vesper_provider_callbacks, find),
+    FIELD(vesper_provider_callbacks, version),
+
     STRUCT(vesper_engine_config),
     FIELD(vesper_engine_config, struct_size),
     FIELD(vesper_engine_config, threads),

@@ -3,6 +3,7 @@
 
 #include "engine.hpp"
 #include "failure.hpp"
+#include "prototype_file.hpp"
 #include "unit_parser.hpp"
 #include "vesper/engine.h"
 
@@ -33,6 +34,27 @@ vesper_status vesper_unit_parse(const char* text, vesper_unit* out, vesper_error
   });
 }
 
+vesper_status vesper_prototype_load(const char* path, vesper_prototype** out,
+                                    vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    vesper_prototype*& prototype = Required(out, "out");
+    prototype = vesper::LoadPrototype(&Required(path, "path")).release();
+  });
+}
+
+vesper_status vesper_prototype_parse(const char* text, const char* source, vesper_prototype** out,
+                                     vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    vesper_prototype*& prototype = Required(out, "out");
+    prototype =
+        vesper::ParsePrototype(&Required(text, "text"), &Required(source, "source")).release();
+  });
+}
+
+void vesper_prototype_free(vesper_prototype* prototype) noexcept {
+  delete static_cast<vesper::OwnedPrototype*>(prototype);
+}
+
 vesper_status vesper_engine_create(const vesper_engine_config* config,
                                    const vesper_prototype* prototype, vesper_engine** out,
                                    vesper_error* error) noexcept {
@@ -54,6 +76,12 @@ void vesper_engine_destroy(vesper_engine* engine) noexcept {
 
 vesper_provider* vesper_engine_property_provider(vesper_engine* engine) noexcept {
   return engine == nullptr ? nullptr : &engine->provider();
+}
+
+vesper_status vesper_engine_set_property_provider(vesper_engine* engine,
+                                                  const vesper_provider_callbacks* callbacks,
+                                                  vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").SetProvider(callbacks); });
 }
 
 vesper_status vesper_provider_add_physical_property(vesper_provider* provider, const char* name,

@@ -72,7 +72,7 @@ void Columns::Add(uint32_t property, const Arrays& arrays) {
                   prototype_.kinds()[added.kind].c_str(), columns_[i].arrays.row_count)
         .Property(added.name);
   }
-  Bind(property, arrays);
+  Provide(property, arrays);
 }
 
 void Columns::Rebind(uint32_t property, const Arrays& arrays) {
@@ -82,10 +82,14 @@ void Columns::Rebind(uint32_t property, const Arrays& arrays) {
         .Property(spec(property).name);
   }
   CheckArrays(spec(property), arrays);
-  Bind(property, arrays);
+  Provide(property, arrays);
 }
 
-void Columns::Bind(uint32_t property, const Arrays& arrays) {
+void Columns::Check(uint32_t property, const Arrays& arrays) const {
+  CheckArrays(spec(property), arrays);
+}
+
+void Columns::Provide(uint32_t property, const Arrays& arrays) {
   Column& column = columns_[property];
   column.bound = true;
   column.arrays = arrays;

@@ -15,6 +15,8 @@ struct Arrays {
   uint64_t value_count;
   const uint32_t* indices;
   uint64_t row_count;
+
+  bool operator==(const Arrays&) const = default;
 };
 
 /// One property of the prototype, bound or not.
@@ -39,6 +41,10 @@ class Columns {
   void Add(uint32_t property, const Arrays& arrays);
   void Rebind(uint32_t property, const Arrays& arrays);
   void Remove(uint32_t property);
+  /// Throws if these cannot stand for the property, whatever else is bound.
+  void Check(uint32_t property, const Arrays& arrays) const;
+  /// Adds or rebinds arrays that passed Check; row counts are agreed by Refresh.
+  void Provide(uint32_t property, const Arrays& arrays);
   void Touch(uint32_t property);
 
   const Column& operator[](uint32_t property) const { return columns_[property]; }
@@ -56,7 +62,6 @@ class Columns {
   void CheckReferences();
 
  private:
-  void Bind(uint32_t property, const Arrays& arrays);
   void AgreeRowCounts();
   void Expand(uint32_t property);
   void CheckReference(uint32_t property) const;

@@ -48,16 +48,54 @@ vesper_engine::~vesper_engine() {
   while (!libraries_.empty()) libraries_.pop_back();
 }
 
+void vesper_engine::SetProvider(const vesper_provider_callbacks* callbacks) {
+  const Turn turn(*this);
+  if (callbacks == nullptr && custom_ == nullptr) return;
+  std::unique_ptr<vesper::CustomProvider> custom;
+  if (callbacks != nullptr) {
+    custom = std::make_unique<vesper::CustomProvider>(*callbacks, prototype_);
+  }
+  for (uint32_t i = 0; i < columns_.size(); ++i) {
+    if (!columns_[i].bound) continue;
+    if (custom_ == nullptr) {
+      throw Failure(VESPER_ALREADY_EXISTS,
+                    "property %s is bound already; remove it before setting a provider",
+                    columns_.spec(i).name.c_str())
+          .Property(columns_.spec(i).name);
+    }
+    columns_.Remove(i);
+  }
+  custom_ = std::move(custom);
+}
+
+void vesper_engine::RefreshColumns() {
+  if (custom_ != nullptr) {
+    custom_->Refresh(columns_, [this](uint32_t property, const vesper::Arrays& arrays) {
+      CheckArraysFit(property, arrays);
+    });
+  }
+  columns_.Refresh();
+}
+
+/// Index of the property, which is the client's to register, not its provider's to know.
+uint32_t vesper_engine::RequireRegistered(const char* name) const {
+  const uint32_t property = prototype_.Require(name);
+  if (custom_ == nullptr) return property;
+  throw Failure(VESPER_ACCESS_CONFLICT,
+                "property %s comes from the provider that was set; change it there", name)
+      .Property(name);
+}
+
 void vesper_engine::AddProperty(const char* name, const vesper::Arrays& arrays) {
   const Turn turn(*this);
-  const uint32_t property = prototype_.Require(name);
+  const uint32_t property = RequireRegistered(name);
   CheckArraysFit(property, arrays);
   columns_.Add(property, arrays);
 }
 
 void vesper_engine::RebindProperty(const char* name, const vesper::Arrays& arrays) {
   const Turn turn(*this);
-  const uint32_t property = prototype_.Require(name);
+  const uint32_t property = RequireRegistered(name);
   CheckArraysFit(property, arrays);
   columns_.Rebind(property, arrays);
 }
@@ -88,15 +126,16 @@ void vesper_engine::CheckArraysFit(uint32_t property, const vesper::Arrays& arra
 
 void vesper_engine::RemoveProperty(const char* name) {
   const Turn turn(*this);
-  const uint32_t property = prototype_.Require(name);
+  const uint32_t property = RequireRegistered(name);
   RefuseIfUsed(property, "is needed by", [](const vesper_property_use& use) {
     return (use.flags & VESPER_USE_OPTIONAL) == 0;
   });
   columns_.Remove(property);
 }
 
-void vesper_engine::FindProperty(const char* name, vesper_property& out) const {
+void vesper_engine::FindProperty(const char* name, vesper_property& out) {
   const Turn turn(*this);
+  if (custom_ != nullptr) RefreshColumns();
   const uint32_t property = prototype_.Require(name);
   vesper::CheckStructSize(out, "out");
   const vesper::PropertySpec& spec = columns_.spec(property);
@@ -138,6 +177,7 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
                   table.name)
         .Library(library->id());
   }
+  if (custom_ != nullptr) RefreshColumns();
   auto added = std::make_unique<vesper::LawLibrary>(next_library_, table.name, config_, pool_);
   MatchLaws(table, *added);
   CheckConflicts(*added);
@@ -234,7 +274,7 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
                   "a step failed; restore the arrays and clear the fault, or unload the law")
         .Library(faulted_library_);
   }
-  columns_.Refresh();
+  RefreshColumns();
   if (config_.validate) columns_.CheckReferences();
   schedule_.Bind();
   try {
@@ -260,6 +300,6 @@ uint64_t vesper_engine::StateHash() {
     throw Failure(VESPER_FAULTED, "a step failed; the arrays are undefined until they are restored")
         .Library(faulted_library_);
   }
-  columns_.Refresh();
+  RefreshColumns();
   return vesper::HashState(step_count_, columns_);
 }

@@ -7,6 +7,7 @@
 
 #include "columns.hpp"
 #include "config.hpp"
+#include "custom_provider.hpp"
 #include "law_library.hpp"
 #include "prototype.hpp"
 #include "schedule.hpp"
@@ -28,10 +29,11 @@ struct vesper_engine {
   bool busy() const { return busy_.load(std::memory_order_acquire); }
   uint64_t step_count() const { return step_count_; }
 
+  void SetProvider(const vesper_provider_callbacks* callbacks);
   void AddProperty(const char* name, const vesper::Arrays& arrays);
   void RebindProperty(const char* name, const vesper::Arrays& arrays);
   void RemoveProperty(const char* name);
-  void FindProperty(const char* name, vesper_property& out) const;
+  void FindProperty(const char* name, vesper_property& out);
   void Touch(const char* const* names, uint32_t count);
 
   const vesper::Config& config() const { return config_; }
@@ -51,6 +53,8 @@ struct vesper_engine {
       vesper_library_id id) const;
   void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
   void CheckConflicts(const vesper::LawLibrary& added) const;
+  void RefreshColumns();
+  uint32_t RequireRegistered(const char* name) const;
   void CheckArraysFit(uint32_t property, const vesper::Arrays& arrays) const;
   template <class Condition>
   void RefuseIfUsed(uint32_t property, const char* refusal, Condition&& condition) const;
@@ -58,6 +62,7 @@ struct vesper_engine {
   vesper::Config config_;
   vesper::Prototype prototype_;
   vesper::Columns columns_{prototype_};
+  std::unique_ptr<vesper::CustomProvider> custom_;  // null: arrays are registered
   vesper::ThreadPool pool_;
   std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in order of loading
   vesper::Schedule schedule_{columns_};

@@ -34,6 +34,32 @@ typedef struct vesper_engine vesper_engine;
 typedef struct vesper_provider vesper_provider;
 typedef struct vesper_prepared_library vesper_prepared_library;
 
+/** What a client's own provider answers about one property: arrays as in
+ *  `vesper_provider_add_physical_property`, borrowed until it answers otherwise. */
+typedef struct vesper_provided_property {
+  uint32_t struct_size;
+  uint32_t reserved;
+  void* data;
+  uint64_t value_count;
+  const uint32_t* indices;
+  uint64_t object_count;
+  uint64_t version; /**< Another number after values were edited in place; see touch. */
+} vesper_provided_property;
+
+/** A property provider of the client's own. Its functions are called between steps, on the thread
+ *  that calls the engine; they must not call the engine and must not throw. */
+typedef struct vesper_provider_callbacks {
+  uint32_t struct_size;
+  uint32_t reserved;
+  void* user; /**< Handed back as first argument. */
+  /** Fills `out` (zeroed, struct_size set) with the property of that name; NOT_FOUND if the client
+   *  has none. Any other status fails the call of the engine that asked, with that message. */
+  vesper_status (*find)(void* user, const char* name, vesper_provided_property* out,
+                        vesper_error* error);
+  /** Another number whenever `find` would answer otherwise; asked before every advance. */
+  uint64_t (*version)(void* user);
+} vesper_provider_callbacks;
+
 /** How an engine is made. Start with `vesper_engine_config_init`. */
 typedef struct vesper_engine_config {
   uint32_t struct_size;
@@ -84,6 +110,19 @@ VESPER_API const vesper_layout_entry* vesper_abi_layout(uint32_t* count) VESPER_
 /** The standard prototypes, "si-f64" and "si-f32"; null for any other name. Static. */
 VESPER_API const vesper_prototype* vesper_prototype_standard(const char* name) VESPER_NOEXCEPT;
 
+/** Reads a prototype from a file; the caller frees `*out`. One line declares one property:
+ *      body temperature: real x1 [K] read_write "Temperature of the whole body."
+ *  docs/properties-and-units.md has the whole format. NOT_FOUND if the file cannot be read; what
+ *  is wrong in it is named by file:line:column, found and expected. */
+VESPER_API vesper_status vesper_prototype_load(const char* path, vesper_prototype** out,
+                                               vesper_error* error) VESPER_NOEXCEPT;
+/** The same from text; `source` names it in messages. */
+VESPER_API vesper_status vesper_prototype_parse(const char* text, const char* source,
+                                                vesper_prototype** out,
+                                                vesper_error* error) VESPER_NOEXCEPT;
+/** Frees what load or parse gave. Engines keep copies of their own. Null is fine. */
+VESPER_API void vesper_prototype_free(vesper_prototype* prototype) VESPER_NOEXCEPT;
+
 /** Reads a unit as people write it, e.g. "N/m", "kg*m^2/s^2", "km/h", "m^3/(kg*s^2)", "deg", "1".
  *  Products and quotients from left to right of powers with whole exponents; parentheses; SI units
  *  with prefixes f to P, and deg, min, h, d, L, t, bar, eV; numbers above 0. The symbol of `out` is
@@ -101,6 +140,15 @@ VESPER_API void vesper_engine_destroy(vesper_engine* engine) VESPER_NOEXCEPT;
 
 /** The engine's property provider; borrowed, lives as long as the engine. */
 VESPER_API vesper_provider* vesper_engine_property_provider(vesper_engine* engine) VESPER_NOEXCEPT;
+
+/** Lets the engine ask the client for arrays instead of having them registered: for every property
+ *  of the prototype, at the next load, advance, find or hash, and again when `version` changes. The
+ *  callbacks are copied. Refused with ALREADY_EXISTS while registered arrays are bound; add, rebind
+ *  and remove are refused with ACCESS_CONFLICT from then on. `callbacks` null: nothing is bound,
+ *  and arrays are registered again. */
+VESPER_API vesper_status vesper_engine_set_property_provider(
+    vesper_engine* engine, const vesper_provider_callbacks* callbacks,
+    vesper_error* error) VESPER_NOEXCEPT;
 
 /** Registers the client's array for a property of the prototype.
  *  data: (value_count x components) of the prototype's type. Without `indices` row i is value i and

@@ -15,10 +15,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <exception>
 #include <functional>
 #include <initializer_list>
 #include <map>
 #include <memory>
+#include <optional>
 #include <ranges>
 #include <span>
 #include <stdexcept>
@@ -127,6 +129,40 @@ inline const vesper_prototype& StandardPrototype(const std::string& name) {
   }
   return *prototype;
 }
+
+/** A unit from text, e.g. "km/h"; see vesper_unit_parse. */
+inline vesper_unit ParseUnit(const std::string& text) {
+  vesper_unit unit{};
+  vesper_error error{};
+  detail::Check(vesper_unit_parse(text.c_str(), &unit, &error), error);
+  return unit;
+}
+
+/** A prototype that was read from a file or from text. Move-only. */
+class LoadedPrototype {
+ public:
+  explicit LoadedPrototype(const std::string& path) {
+    vesper_prototype* prototype = nullptr;
+    vesper_error error{};
+    detail::Check(vesper_prototype_load(path.c_str(), &prototype, &error), error);
+    prototype_.reset(prototype);
+  }
+  /** `source` names the text in messages. */
+  LoadedPrototype(const std::string& text, const std::string& source) {
+    vesper_prototype* prototype = nullptr;
+    vesper_error error{};
+    detail::Check(vesper_prototype_parse(text.c_str(), source.c_str(), &prototype, &error), error);
+    prototype_.reset(prototype);
+  }
+
+  const vesper_prototype& get() const { return *prototype_; }
+
+ private:
+  struct Free {
+    void operator()(vesper_prototype* prototype) const { vesper_prototype_free(prototype); }
+  };
+  std::unique_ptr<vesper_prototype, Free> prototype_;
+};
 
 /** How an engine is made; what is left out has the engine's default. */
 struct EngineConfig {
@@ -249,6 +285,40 @@ class PhysicalPropertyProvider {
   const detail::Shapes* shapes_;
 };
 
+/** A property provider of the client's own, asked for arrays between steps; derive from it. It must
+ *  not call the engine. */
+class CustomPropertyProvider {
+ public:
+  virtual ~CustomPropertyProvider() = default;
+  /** The arrays of a property (struct_size may stay 0), or nothing if the client has none. What it
+   *  throws fails the call of the engine that asked. */
+  virtual std::optional<vesper_provided_property> FindPhysicalProperty(std::string_view name) = 0;
+  /** Another number whenever FindPhysicalProperty would answer otherwise. */
+  virtual uint64_t Version() const noexcept = 0;
+
+ private:
+  friend class PhysicsEngine;
+
+  static vesper_status Find(void* user, const char* name, vesper_provided_property* out,
+                            vesper_error* error) {
+    try {
+      const auto found = static_cast<CustomPropertyProvider*>(user)->FindPhysicalProperty(name);
+      if (!found) return VESPER_NOT_FOUND;
+      const uint32_t struct_size = out->struct_size;
+      *out = *found;
+      out->struct_size = struct_size;
+      return VESPER_OK;
+    } catch (const std::exception& exception) {
+      const std::string_view message = exception.what();
+      message.copy(error->message, sizeof error->message - 1);
+      return VESPER_INVALID_ARGUMENT;
+    }
+  }
+  static uint64_t AskVersion(void* user) {
+    return static_cast<const CustomPropertyProvider*>(user)->Version();
+  }
+};
+
 /** A law library that was opened and checked, on any thread, and that no engine has taken yet. */
 class PreparedLibrary {
  public:
@@ -290,6 +360,18 @@ class PhysicsEngine {
 
   PhysicalPropertyProvider PropertyProvider() {
     return {vesper_engine_property_provider(engine_.get()), state_->shapes};
+  }
+
+  /** Takes arrays from `provider`, which outlives the engine or its replacement, instead of having
+   *  them registered; see vesper_engine_set_property_provider. Null: they are registered again. */
+  void SetPropertyProvider(CustomPropertyProvider* provider) {
+    const vesper_provider_callbacks callbacks{sizeof callbacks, 0, provider,
+                                              CustomPropertyProvider::Find,
+                                              CustomPropertyProvider::AskVersion};
+    vesper_error error{};
+    detail::Check(vesper_engine_set_property_provider(
+                      engine_.get(), provider == nullptr ? nullptr : &callbacks, &error),
+                  error);
   }
 
   /** `library`: a bare name to search in the law path, or a path with a '/'. */

@@ -1,0 +1,26 @@
+// Prototypes as data files, so that a property can be added without touching code.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "vesper/types.h"
+
+namespace vesper {
+
+/// A prototype that owns everything it points to.
+struct OwnedPrototype : vesper_prototype {
+  std::vector<vesper_property_descriptor> descriptors;
+  std::vector<std::unique_ptr<std::string>> strings;
+};
+
+/// Reads the format that docs/properties-and-units.md describes; throws Failure that begins with
+/// `source`:line:column. The result is a valid prototype.
+std::unique_ptr<OwnedPrototype> ParsePrototype(std::string_view text, const std::string& source);
+
+/// The same from a file; NOT_FOUND if it cannot be read, INVALID_ARGUMENT if it is too large.
+std::unique_ptr<OwnedPrototype> LoadPrototype(const std::string& path);
+
+}  // namespace vesper
