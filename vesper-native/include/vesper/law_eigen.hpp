@@ -1,0 +1,108 @@
+/* Rows and columns of a law as Eigen maps, so that small-vector maths reads like the equation:
+ *
+ *     const auto r = VectorAt(position, i) - centre;
+ *     VectorAt(force, i) -= mass[i] * omega.cross(omega.cross(r));
+ *
+ * Optional: only laws that include this header need Eigen (3.4, Debian package libeigen3-dev). Maps
+ * own and copy nothing; what a law only reads is const in its map as well.
+ *
+ * Eigen would choose the order of its sums by the vector unit that it is compiled for. Here its own
+ * vectorisation is off, in every header of Eigen that follows this one, and its threads too; so the
+ * bits depend neither on the CPU nor on compiler flags, and the compiler still vectorises what
+ * keeps them. A failed assertion of Eigen (builds without NDEBUG) throws, and so becomes LAW_FAILED.
+ *
+ * Whole-column expressions allocate nothing while Eigen needs no temporary: fixed-size vectors and
+ * element-wise arithmetic never do, products of dynamic matrices do.
+ */
+#ifndef VESPER_LAW_EIGEN_HPP_
+#define VESPER_LAW_EIGEN_HPP_
+
+#if defined(EIGEN_WORLD_VERSION) && !defined(EIGEN_DONT_VECTORIZE)
+#error "include vesper/law_eigen.hpp before any header of Eigen: it switches off what makes bits depend on the CPU"
+#endif
+
+#include <stdexcept>
+
+#ifndef EIGEN_DONT_VECTORIZE
+#define EIGEN_DONT_VECTORIZE
+#endif
+#ifndef EIGEN_DONT_PARALLELIZE
+#define EIGEN_DONT_PARALLELIZE
+#endif
+#if !defined(NDEBUG) && !defined(eigen_assert)
+#define eigen_assert(condition) \
+  ((condition) ? static_cast<void>(0) : throw std::logic_error("Eigen: expected " #condition))
+#endif
+
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+#include <array>
+#include <cstdint>
+#include <type_traits>
+
+#include "vesper/law.hpp"
+
+namespace vesper {
+namespace detail {
+
+/** The C++ type of one component of a row. */
+template <class Row>
+struct ComponentOf {
+  using Type = Row;
+};
+template <class Real>
+struct ComponentOf<Vec3<Real>> {
+  using Type = Real;
+};
+template <class T, std::size_t n>
+struct ComponentOf<std::array<T, n>> {
+  using Type = T;
+};
+
+/** Const if the elements of the column are. */
+template <class Column, class T>
+using ConstAs =
+    std::conditional_t<std::is_const_v<typename Column::Element>, std::add_const_t<T>, T>;
+
+template <class Column>
+using RowOf = std::remove_const_t<typename Column::Element>;
+template <class Column>
+using Component = ConstAs<Column, typename ComponentOf<RowOf<Column>>::Type>;
+template <class Column>
+inline constexpr int kComponentsOf = static_cast<int>(RowType<RowOf<Column>>::kComponents);
+
+}  // namespace detail
+
+/** Row `row` of a column as a vector (components x 1); valid as long as the column is bound. */
+template <class Row, vesper_access access, uint32_t flags>
+auto VectorAt(const Column<Row, access, flags>& column, uint64_t row) {
+  using C = Column<Row, access, flags>;
+  using Component = detail::Component<C>;
+  using Vector = Eigen::Matrix<std::remove_const_t<Component>, detail::kComponentsOf<C>, 1>;
+  return Eigen::Map<detail::ConstAs<C, Vector>>(reinterpret_cast<Component*>(&column[row]));
+}
+
+/** A whole column as an array (components x rows) for element-wise arithmetic; valid as long as the
+ *  column is bound. Empty if an optional property is absent. */
+template <class Row, vesper_access access, uint32_t flags>
+auto ArrayOf(const Column<Row, access, flags>& column) {
+  using C = Column<Row, access, flags>;
+  using Component = detail::Component<C>;
+  using Array =
+      Eigen::Array<std::remove_const_t<Component>, detail::kComponentsOf<C>, Eigen::Dynamic>;
+  return Eigen::Map<detail::ConstAs<C, Array>>(reinterpret_cast<Component*>(column.data()),
+                                               detail::kComponentsOf<C>,
+                                               static_cast<Eigen::Index>(column.size()));
+}
+
+/** Row `row` of a column of unit quaternions xyzw, such as `orientation`; valid as long as the
+ *  column is bound. */
+template <std::floating_point Real, vesper_access access, uint32_t flags>
+auto QuaternionAt(const Column<std::array<Real, 4>, access, flags>& column, uint64_t row) {
+  using C = Column<std::array<Real, 4>, access, flags>;
+  return Eigen::Map<detail::ConstAs<C, Eigen::Quaternion<Real>>>(column[row].data());
+}
+
+}  // namespace vesper
+
+#endif  // VESPER_LAW_EIGEN_HPP_
