@@ -4,6 +4,7 @@
 
 #include "exit_code.hpp"
 #include "folders.hpp"
+#include "laws_command.hpp"
 #include "run_command.hpp"
 #include "vesper/vesper.hpp"
 
@@ -35,6 +36,17 @@ void AddRun(CLI::App& app, int& code) {
   command->callback([options, &code] { code = Run(*options); });
 }
 
+void AddLaws(CLI::App& app, int& code) {
+  auto* command = app.add_subcommand(
+      "laws", "Lists the laws in folders: versions, properties, units, access, parameters.");
+  auto options = std::make_shared<LawsOptions>();
+  options->folders = DefaultLawFolders();
+  command->add_option("FOLDER", options->folders, "Folders with law libraries")
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "Print the list as one JSON document");
+  command->callback([options, &code] { code = ListLaws(*options); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -44,6 +56,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", vesper_build_info());
   int code = kDone;
   AddRun(app, code);
+  AddLaws(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
