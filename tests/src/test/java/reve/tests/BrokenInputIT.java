@@ -21,7 +21,7 @@ import tools.jackson.databind.json.JsonMapper;
 /** Rubbish in the laws folder and on the port of a running server: one message each, nothing else. */
 class BrokenInputIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
-    private static final String SECONDS = "8";
+    private static final String SECONDS = "12";
 
     @TempDir
     private Path folder;
@@ -29,14 +29,18 @@ class BrokenInputIT {
     @Test
     void rubbishGetsOneMessageEachAndCostsTheWorldNothing() throws Exception {
         Path laws = Files.createDirectory(folder.resolve("laws"));
+        Path ready = Files.createDirectory(folder.resolve("ready"));
+        Files.writeString(ready.resolve("text.so"), "this is no library");
+        compile("no_law.c", ready.resolve("no_law.so"));
+        compile("other_abi.c", ready.resolve("other_abi.so"));
+        compile("nan_writer.cpp", ready.resolve("nan_writer.so"));
         try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--laws", laws.toString(),
                 "--seconds", SECONDS, "--json")) {
             Events events = server.events();
             int port = events.await("ready", line -> true).get("agentPort").asInt();
-            Files.writeString(laws.resolve("text.so"), "this is no library");
-            compile("no_law.c", laws.resolve("no_law.so"));
-            compile("other_abi.c", laws.resolve("other_abi.so"));
-            compile("nan_writer.cpp", laws.resolve("nan_writer.so"));
+            for (String file : List.of("text.so", "no_law.so", "other_abi.so", "nan_writer.so")) {
+                Files.move(ready.resolve(file), laws.resolve(file));
+            }
             sendGarbage(port);
 
             assertThat(fault(events, "text.so")).contains("not an ELF file");

@@ -34,6 +34,9 @@ class CommandLineIT {
         assertThat(unknown.code()).isEqualTo(2);
         assertThat(unknown.err()).contains("snapshots").contains("Did you mean").contains("snapshot");
         assertThat(Reve.run("run", SPRING_ORBIT, "--seconds", "-1").code()).isEqualTo(2);
+        Outcome port = Reve.run("serve", SPRING_ORBIT, "--port", "70000");
+        assertThat(port.code()).isEqualTo(2);
+        assertThat(port.err()).contains("--port is 70000").contains("65535");
         Outcome size = Reve.run("snapshot", SPRING_ORBIT, "--out", folder.resolve("x.png").toString(),
                 "--size", "huge");
         assertThat(size.code()).isEqualTo(2);
@@ -55,7 +58,7 @@ class CommandLineIT {
         Outcome profile = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--profile");
         assertThat(profile.code()).isZero();
         assertThat(profile.out()).contains("ns/body", "PHYSICS advance", "PHYSICS rollback copy", "DERIVE",
-                "PUBLISH snapshot copy", "rest");
+                "PUBLISH snapshot copy", "PUBLISH readers", "rest");
     }
 
     @Test
@@ -70,6 +73,21 @@ class CommandLineIT {
         assertThat(image.getHeight()).isEqualTo(200);
         assertThat(hasPixelLike(image, 0xc0392b)).as("the red ball").isTrue();
         assertThat(hasPixelLike(image, 0x3498db)).as("the blue ball").isTrue();
+    }
+
+    @Test
+    void everyPictureOfAFastServerIsTaken() throws Exception {
+        Path pictures = folder.resolve("pictures");
+        Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", "0", "--fast", "--seconds", "6", "--json",
+                "--snapshots", pictures.toString(), "--snapshot-at", "0,1,2,3,4,5,5.1");
+        assertThat(outcome.code()).isZero();
+        assertThat(outcome.out()).doesNotContain("snapshot-failed");
+        try (var files = Files.list(pictures)) {
+            assertThat(files.map(file -> file.getFileName().toString()).sorted()).containsExactly(
+                    "spring-orbit-000000.png", "spring-orbit-000060.png", "spring-orbit-000120.png",
+                    "spring-orbit-000180.png", "spring-orbit-000240.png", "spring-orbit-000300.png",
+                    "spring-orbit-000306.png");
+        }
     }
 
     /** Whether some pixel has the hue of a colour, in any light. */

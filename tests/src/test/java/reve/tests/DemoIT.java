@@ -21,7 +21,7 @@ class DemoIT {
         assertThat(outcome.code()).as(outcome.err()).isZero();
         JsonNode demo = new JsonMapper().readTree(outcome.out());
 
-        assertThat(demo.at("/server/frames").asLong()).isEqualTo(480);
+        assertThat(demo.at("/server/frames").asLong()).isGreaterThanOrEqualTo(5 * 60);
         assertThat(demo.at("/server/faults").size()).isZero();
         assertThat(demo.at("/server/agents/joined").asLong()).isEqualTo(2);
         assertThat(demo.at("/server/agents/cut").asLong()).isZero();

@@ -2,6 +2,7 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import java.io.BufferedReader;
 import java.io.IOException;
 import java.net.InetAddress;
 import java.net.Socket;
@@ -42,11 +43,11 @@ class InterruptIT {
     @Test
     void aSignalEndsALongRunWithItsReport() throws Exception {
         Process run = new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6", "--real-time"))
-                .redirectError(folder.resolve("run.err").toFile()).start();
-        try (var errors = new java.io.RandomAccessFile(folder.resolve("run.err").toFile(), "r")) {
-            // The first progress line says that the loop runs.
-            while (errors.length() == 0 && run.isAlive()) {
-                Thread.onSpinWait();
+                .start();
+        try (BufferedReader errors = run.errorReader()) {
+            String line = errors.readLine();
+            while (!line.startsWith("frame ")) { // the first progress line says that the loop runs
+                line = errors.readLine();
             }
         }
         assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor()).isZero();

@@ -3,8 +3,8 @@ package reve.worlds.cli;
 import java.io.PrintWriter;
 import java.util.LinkedHashMap;
 import java.util.Map;
-import java.util.concurrent.ArrayBlockingQueue;
-import java.util.concurrent.BlockingQueue;
+import java.util.concurrent.LinkedTransferQueue;
+import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.stream.Collectors;
 import reve.worlds.server.ServerEvents;
@@ -16,13 +16,16 @@ import reve.worlds.server.ServerReport;
  */
 final class EventPrinter implements ServerEvents, AutoCloseable {
     private static final int CAPACITY = 10_000;
-    private static final String END = "";
+    private static final Event LAST = new Event("", Map.of());
 
     private final PrintWriter out;
     private final boolean json;
-    private final BlockingQueue<String> lines = new ArrayBlockingQueue<>(CAPACITY);
+    private final LinkedTransferQueue<Event> events = new LinkedTransferQueue<>();
+    private final AtomicInteger waiting = new AtomicInteger();
     private final AtomicLong dropped = new AtomicLong();
     private final Thread printer = new Thread(this::print, "event printer");
+
+    private record Event(String name, Map<String, Object> fields) {}
 
     EventPrinter(PrintWriter out, boolean json) {
         this.out = out;
@@ -33,19 +36,22 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
 
     @Override
     public void happened(String event, Map<String, Object> fields) {
-        if (!lines.offer(json ? jsonLine(event, fields) : textLine(event, fields))) {
+        if (waiting.incrementAndGet() > CAPACITY) {
+            waiting.decrementAndGet();
             dropped.incrementAndGet();
+        } else {
+            events.add(new Event(event, fields));
         }
     }
 
     /** The last event: how the run ended. Waits until everything is written. */
-    void end(ServerReport report) throws InterruptedException {
+    void end(ServerReport report) {
         Map<String, Object> fields = report.fields();
         if (dropped.get() > 0) {
             fields.put("droppedEvents", dropped.get());
         }
         if (json) {
-            lines.put(jsonLine("end", fields));
+            events.add(new Event("end", fields));
         }
         close();
         if (!json) {
@@ -54,13 +60,12 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         out.flush();
     }
 
+    /** Writes what waits, then ends. May be called twice. */
     @Override
     public void close() {
+        events.add(LAST);
         try {
-            if (printer.isAlive()) {
-                lines.put(END);
-                printer.join();
-            }
+            printer.join();
         } catch (InterruptedException stopped) {
             Thread.currentThread().interrupt();
         }
@@ -68,8 +73,9 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
 
     private void print() {
         try {
-            for (String line = lines.take(); !line.equals(END); line = lines.take()) {
-                out.println(line);
+            for (Event event = events.take(); event != LAST; event = events.take()) {
+                waiting.decrementAndGet();
+                out.println(json ? jsonLine(event) : textLine(event));
                 out.flush();
             }
         } catch (InterruptedException stopped) {
@@ -77,15 +83,15 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
         }
     }
 
-    private static String jsonLine(String event, Map<String, Object> fields) {
+    private static String jsonLine(Event event) {
         Map<String, Object> line = new LinkedHashMap<>();
-        line.put("event", event);
-        line.putAll(fields);
+        line.put("event", event.name);
+        line.putAll(event.fields);
         return Json.line(line);
     }
 
-    private static String textLine(String event, Map<String, Object> fields) {
-        return event + fields.entrySet().stream()
+    private static String textLine(Event event) {
+        return event.name + event.fields.entrySet().stream()
                 .map(field -> " " + field.getKey() + "=" + field.getValue())
                 .collect(Collectors.joining());
     }

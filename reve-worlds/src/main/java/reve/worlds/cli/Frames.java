@@ -14,7 +14,8 @@ final class Frames {
         double frames = seconds * timing.framesPerSecond();
         if (!(frames >= 0 && frames < 0x1p53)) {
             throw new ParameterException(spec.commandLine(),
-                    option + " is " + seconds + ", expected a time of 0 s or more");
+                    option + " is " + seconds + ", expected a time from 0 s to "
+                            + 0x1p53 / timing.framesPerSecond() + " s");
         }
         return Math.round(frames);
     }

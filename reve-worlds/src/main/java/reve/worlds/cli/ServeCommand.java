@@ -1,5 +1,6 @@
 package reve.worlds.cli;
 
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
@@ -9,6 +10,7 @@ import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldDescription;
@@ -43,7 +45,7 @@ public final class ServeCommand implements Callable<Integer> {
     private Optional<Double> seconds = Optional.empty();
 
     @Option(names = "--snapshots", paramLabel = "DIR", defaultValue = ".",
-            description = "Folder for pictures (default: the current one).")
+            description = "Folder for pictures, made if missing (default: the current one).")
     private Path snapshots = Path.of(".");
 
     @Option(names = "--snapshot-at", paramLabel = "S", split = ",",
@@ -58,11 +60,15 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        requirePort();
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         List<Long> pictureFrames = new ArrayList<>();
         for (double time : snapshotAt) {
             pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
+        }
+        if (!pictureFrames.isEmpty()) {
+            Files.createDirectories(snapshots);
         }
         Pictures pictures = new Pictures(snapshots, pictureFrames);
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json)) {
@@ -78,5 +84,12 @@ public final class ServeCommand implements Callable<Integer> {
             }
         }
         return ExitCode.OK;
+    }
+
+    private void requirePort() {
+        if (port < 0 || port > 65_535) {
+            throw new ParameterException(spec.commandLine(),
+                    "--port is " + port + ", expected 0 (any free one) to 65535");
+        }
     }
 }

@@ -19,6 +19,7 @@ import picocli.CommandLine.TypeConversionException;
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldSnapshot;
+import reve.worlds.Product;
 import reve.worlds.render.ImageFormat;
 import reve.worlds.render.Renderer;
 import reve.worlds.render.Scene;
@@ -58,8 +59,7 @@ public final class SnapshotCommand implements Callable<Integer> {
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--at", at, description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                Renderer renderer = new Renderer(Path.of(System.getProperty("reve.native.path", "build/native")),
-                        Renderer.DEFAULT_DEADLINE)) {
+                Renderer renderer = new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)) {
             Progress progress = new Progress(System.err, frames);
             simulation.onPublish("progress", event -> progress.at(event.frame(), event.timeSeconds()));
             simulation.loop().run(frames);

@@ -2,11 +2,13 @@ package reve.worlds.demo;
 
 import java.io.IOException;
 import java.io.PrintStream;
+import java.lang.management.ManagementFactory;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import reve.worlds.Product;
 import tools.jackson.databind.JsonNode;
 
 /**
@@ -18,8 +20,8 @@ public final class Demo {
     private static final String LAW = "gravity_field";
     /** World times of the two pictures [s]; between them the law is dropped. */
     private static final String PICTURES_AT = "2,5";
-    /** How long the server runs, and how long the agents stay [s of world time]. */
-    private static final String SERVER_SECONDS = "8";
+    /** The server's end if nobody ends it before, and how long the agents stay [s of world time]. */
+    private static final String SERVER_SECONDS = "60";
     private static final String AGENT_SECONDS = "5";
     private static final long PATIENCE_SECONDS = 60;
 
@@ -41,7 +43,7 @@ public final class Demo {
     /** Runs everything, which takes about ten seconds, and says what happened. */
     public DemoReport run() throws IOException, InterruptedException {
         Path laws = Files.createDirectories(folder.resolve("laws"));
-        Path library = root.resolve("build/native/laws/libvesper_law_" + LAW + ".so");
+        Path library = Product.nativeFolder().resolve("laws/libvesper_law_" + LAW + ".so");
         Path dropped = laws.resolve(library.getFileName());
         Files.deleteIfExists(dropped);
         try (JsonProcess server = startServer(laws)) {
@@ -59,6 +61,7 @@ public final class Demo {
                 progress.println("law taken out again at frame " + unloaded.get("frame"));
                 JsonNode curiousSummary = curious.awaitEnd(PATIENCE_SECONDS);
                 JsonNode painterSummary = painter.awaitEnd(PATIENCE_SECONDS);
+                server.interrupt();
                 return new DemoReport(server.awaitEnd(PATIENCE_SECONDS), loaded, unloaded, before, after,
                         curiousSummary, painterSummary);
             }
@@ -70,8 +73,7 @@ public final class Demo {
     }
 
     private JsonProcess startServer(Path laws) throws IOException {
-        List<String> command = java("-Dreve.native.path=" + root.resolve("build/native"), "-Dreve.root=" + root,
-                "reve.worlds.Main", "serve", root.resolve("worlds/spring-orbit").toString(), "--port", "0",
+        List<String> command = java("reve.worlds.Main", "serve", root.resolve("worlds/spring-orbit").toString(), "--port", "0",
                 "--laws", laws.toString(), "--snapshots", folder.toString(), "--snapshot-at", PICTURES_AT,
                 "--seconds", SERVER_SECONDS, "--json");
         return new JsonProcess("server", command, Map.of(), folder.resolve("server.log"));
@@ -91,12 +93,12 @@ public final class Demo {
         return new JsonProcess("Java agent", command, Map.of(), folder.resolve("painter.log"));
     }
 
-    /** The Java command that this process runs with, class path included. */
+    /** The Java command that this process runs with: its options, its class path. */
     private static List<String> java(String... arguments) {
-        List<String> command = new ArrayList<>(List.of(
-                Path.of(System.getProperty("java.home"), "bin", "java").toString(),
-                "-XX:+UseSerialGC", "-XX:+RestoreMXCSROnJNICalls", "--enable-native-access=ALL-UNNAMED",
-                "-cp", System.getProperty("java.class.path")));
+        List<String> command = new ArrayList<>();
+        command.add(Path.of(System.getProperty("java.home"), "bin", "java").toString());
+        command.addAll(ManagementFactory.getRuntimeMXBean().getInputArguments());
+        command.addAll(List.of("-cp", System.getProperty("java.class.path")));
         command.addAll(List.of(arguments));
         return command;
     }

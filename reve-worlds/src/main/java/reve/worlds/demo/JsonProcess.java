@@ -77,6 +77,11 @@ final class JsonProcess implements AutoCloseable {
         }
     }
 
+    /** Asks the process to end, as Ctrl-C does. */
+    void interrupt() {
+        process.destroy();
+    }
+
     /** Waits for the process to end, and returns the last line it wrote. */
     JsonNode awaitEnd(long seconds) throws InterruptedException {
         if (!process.waitFor(seconds, TimeUnit.SECONDS)) {

@@ -9,19 +9,18 @@ import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.TimeUnit;
 import reve.core.frame.FrameEvent;
-import reve.core.world.SnapshotRing;
 import reve.core.world.WorldSnapshot;
+import reve.worlds.Product;
 import reve.worlds.render.Camera;
 import reve.worlds.render.Environment;
 import reve.worlds.render.ImageFormat;
-import reve.worlds.render.RenderException;
 import reve.worlds.render.Renderer;
 import reve.worlds.render.Scene;
 import reve.worlds.render.SceneBuilder;
 
 /**
- * Takes pictures of a world at given frames while it runs. The world's thread only keeps a snapshot;
- * a thread of its own draws, and a picture that fails costs nothing else.
+ * Takes pictures of a world at given frames while it runs. The world's thread only notes what is to
+ * be seen; a thread of its own draws, and a picture that fails costs nothing else.
  */
 public final class Pictures implements AutoCloseable {
     /** Size of pictures unless asked otherwise. */
@@ -31,14 +30,14 @@ public final class Pictures implements AutoCloseable {
 
     private final Path folder;
     private final long[] frames;
-    private final Renderer renderer = new Renderer(
-            Path.of(System.getProperty("reve.native.path", "build/native")), Renderer.DEFAULT_DEADLINE);
+    private final Renderer renderer =
+            new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE);
     private final ExecutorService artist = Executors.newSingleThreadExecutor(
             Thread.ofPlatform().daemon().name("pictures").factory());
     private int next;
 
     /**
-     * @param folder where the pictures go, named by world and world time
+     * @param folder where the pictures go, named by world and frame
      * @param frames at whose end to take one
      */
     public Pictures(Path folder, List<Long> frames) {
@@ -63,30 +62,33 @@ public final class Pictures implements AutoCloseable {
             return;
         }
         next++;
-        Path file = folder.resolve(String.format(Locale.ROOT, "%s-%.2fs.png",
-                simulation.world().name(), frame.timeSeconds()));
-        SnapshotRing snapshots = simulation.snapshots();
-        WorldSnapshot snapshot = snapshots.acquireLatest().orElseThrow();
-        SceneBuilder builder = sceneBuilder(simulation, DEFAULT_FORMAT);
-        artist.execute(() -> draw(builder, snapshot, file, events));
+        Path file = folder.resolve(String.format(Locale.ROOT, "%s-%06d.png",
+                simulation.world().name(), frame.frame()));
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("frame", frame.frame());
+        fields.put("time", frame.timeSeconds());
+        fields.put("file", file.toAbsolutePath().normalize().toString());
+        try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
+            Scene scene = sceneBuilder(simulation, DEFAULT_FORMAT).build(snapshot);
+            artist.execute(() -> draw(scene, file, fields, events));
+        } catch (RuntimeException failed) {
+            tellFailure(failed, fields, events);
+        }
     }
 
-    private void draw(SceneBuilder builder, WorldSnapshot snapshot, Path file, ServerEvents events) {
-        Map<String, Object> fields = new LinkedHashMap<>();
-        fields.put("frame", snapshot.frame());
-        fields.put("time", snapshot.timeSeconds());
-        fields.put("file", file.toAbsolutePath().normalize().toString());
+    private void draw(Scene scene, Path file, Map<String, Object> fields, ServerEvents events) {
         try {
-            Scene scene;
-            try (snapshot) {
-                scene = builder.build(snapshot);
-            }
             renderer.render(scene, file);
             events.happened("snapshot", fields);
-        } catch (RenderException failed) {
-            fields.put("message", failed.getMessage());
-            events.happened("snapshot-failed", fields);
+        } catch (RuntimeException failed) {
+            tellFailure(failed, fields, events);
         }
+    }
+
+    private static void tellFailure(RuntimeException failed, Map<String, Object> fields,
+            ServerEvents events) {
+        fields.put("message", String.valueOf(failed.getMessage()));
+        events.happened("snapshot-failed", fields);
     }
 
     /** Finishes the pictures that were begun, then ends the renderer. May be called twice. */

@@ -26,10 +26,11 @@ import reve.pe.adapter.AdapterProfile;
  * @param bodies rows of kind {@code body} that laws may move
  * @param laws loaded at the end, with what they cost
  * @param libraries every law library that was ever loaded, in that order
+ * @param snapshotNanoseconds spent on copying the world into snapshots [ns]
  */
 public record RunReport(String world, long frames, double worldSeconds, double wallSeconds, long stateHash,
         int items, int bodies, List<PhysicsLaw> laws, List<String> libraries, List<WorldEvent> faults,
-        FrameProfile profile, AdapterProfile physics) {
+        FrameProfile profile, AdapterProfile physics, long snapshotNanoseconds) {
 
     public RunReport {
         laws = List.copyOf(laws);
@@ -46,7 +47,7 @@ public record RunReport(String world, long frames, double worldSeconds, double w
                 simulation.physics().stateHash(), world.items().size() - 1,
                 world.table(WorldPrototype.BODY).physicsRowCount(), simulation.physics().laws().loaded(),
                 simulation.events().libraries(), simulation.events().faults(), profile,
-                simulation.physics().profile());
+                simulation.physics().profile(), simulation.snapshotNanoseconds());
     }
 
     /** Simulated seconds per second of wall time. */
@@ -108,7 +109,8 @@ public record RunReport(String world, long frames, double worldSeconds, double w
         parts.put("PHYSICS rollback copy", physics.copyNanoseconds());
         parts.put("PHYSICS advance", physics.advanceNanoseconds());
         parts.put("DERIVE", phases.get(FramePhase.DERIVE));
-        parts.put("PUBLISH snapshot copy", phases.get(FramePhase.PUBLISH));
+        parts.put("PUBLISH snapshot copy", snapshotNanoseconds);
+        parts.put("PUBLISH readers", phases.get(FramePhase.PUBLISH) - snapshotNanoseconds);
         long named = parts.values().stream().mapToLong(Long::longValue).sum();
         parts.put("rest", Math.max(0, profile.busyNanoseconds() - named));
         return parts;

@@ -7,7 +7,7 @@ import java.util.Map;
 public interface ServerEvents {
     /**
      * @param event {@code ready}, {@code snapshot}, {@code end}, or the type of a world event
-     * @param fields text, numbers, truth, or lists of these, by name, in order
+     * @param fields text, numbers, truth, or lists of these, by name, in order; not changed after
      */
     void happened(String event, Map<String, Object> fields);
 }

@@ -1,12 +1,14 @@
 package reve.worlds.server;
 
-import java.nio.file.Path;
 import java.util.List;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 import reve.core.derive.BoundingBoxes;
 import reve.core.file.LawReference;
 import reve.core.file.WorldDescription;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
+import reve.core.frame.FrameEvent;
 import reve.core.frame.FrameListener;
 import reve.core.frame.FrameLoop;
 import reve.core.frame.FramePhase;
@@ -20,17 +22,19 @@ import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
+import reve.worlds.Product;
 
 /**
  * A world with everything that moves it: commands, laws, derived properties, snapshots. The thread
  * that makes it owns it until another one runs its loop.
  */
 public final class Simulation implements AutoCloseable {
+    private static final Logger LOG = LoggerFactory.getLogger("laws");
     private static final int COMMAND_CAPACITY = 1 << 16;
     private static final int SNAPSHOT_SLOTS = 4;
 
     private final WorldDescription description;
-    private final SharedArena arena = new SharedArena();
+    private final Closing closing = new Closing();
     private final World world;
     private final FrameBus bus = new FrameBus();
     private final CommandQueue commands = new CommandQueue(COMMAND_CAPACITY);
@@ -39,6 +43,7 @@ public final class Simulation implements AutoCloseable {
     private final PhysicsEngine engine;
     private final PhysicsAdapter physics;
     private final RunEvents events = new RunEvents();
+    private long snapshotNanoseconds;
 
     /**
      * Builds the world and loads its laws.
@@ -47,34 +52,51 @@ public final class Simulation implements AutoCloseable {
      */
     public Simulation(WorldDescription description, Pacing pacing) {
         this.description = description;
-        world = description.build(arena);
-        engine = new VesperEngine(VesperConfig.of(List.of(lawPath())), PropertyNames.prototype(
-                world.prototype(), VesperEngine.standardPrototype(world.prototype().name())));
-        physics = new PhysicsAdapter(world, engine, arena);
-        snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
-        loop = new FrameLoop(world, bus, description.timing(), pacing);
         try {
+            SharedArena arena = closing.add(new SharedArena());
+            world = description.build(arena);
+            engine = closing.add(new VesperEngine(config(), PropertyNames.prototype(
+                    world.prototype(), VesperEngine.standardPrototype(world.prototype().name()))));
+            physics = closing.add(new PhysicsAdapter(world, engine, arena));
+            snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
+            loop = new FrameLoop(world, bus, description.timing(), pacing);
             description.laws().forEach(this::load);
         } catch (RuntimeException refused) {
-            close();
+            closing.closeAfter(refused);
             throw refused;
         }
         commands.subscribeTo(bus);
         bus.subscribe(FramePhase.PHYSICS, "physics", physics);
         BoundingBoxes.subscribeTo(bus);
-        onPublish("snapshots", frame -> snapshots.publish(frame.frame(), frame.timeSeconds()));
+        onPublish("snapshots", this::publish);
         onPublish("run events", events);
     }
 
-    /** The laws that come with the product. */
-    private static Path lawPath() {
-        return Path.of(System.getProperty("reve.native.path", "build/native"), "laws");
+    private static VesperConfig config() {
+        return new VesperConfig(1, false, List.of(Product.nativeFolder().resolve("laws")),
+                Simulation::log);
+    }
+
+    /** What engine and laws have to say; the log drops lines rather than keep the world waiting. */
+    private static void log(System.Logger.Level level, String message) {
+        switch (level) {
+            case ERROR -> LOG.error(message);
+            case WARNING -> LOG.warn(message);
+            case INFO -> LOG.info(message);
+            default -> LOG.debug(message);
+        }
     }
 
     private void load(LawReference law) {
         try (PreparedLibrary prepared = engine.prepare(law.name())) {
             physics.laws().load(0, prepared, law.parameters());
         }
+    }
+
+    private void publish(FrameEvent frame) {
+        long start = System.nanoTime();
+        snapshots.publish(frame.frame(), frame.timeSeconds());
+        snapshotNanoseconds += System.nanoTime() - start;
     }
 
     /** What the world was built from. */
@@ -104,6 +126,11 @@ public final class Simulation implements AutoCloseable {
         return snapshots;
     }
 
+    /** Time spent on copying the world into snapshots [ns]. World's thread. */
+    public long snapshotNanoseconds() {
+        return snapshotNanoseconds;
+    }
+
     public PhysicsEngine engine() {
         return engine;
     }
@@ -122,11 +149,9 @@ public final class Simulation implements AutoCloseable {
         bus.subscribe(FramePhase.PUBLISH, name, listener);
     }
 
-    /** Frees the engine and the columns; the loop has ended. */
+    /** Frees the engine and the columns; the loop has ended. May be called twice. */
     @Override
     public void close() {
-        engine.close();
-        physics.close();
-        arena.close();
+        closing.close();
     }
 }

@@ -20,9 +20,9 @@ import reve.pe.adapter.LawFolder;
  * and closed by one thread, which owns the world; {@link #stop} is for any thread.
  */
 public final class WorldServer implements AutoCloseable {
+    private final Closing closing = new Closing();
     private final Simulation simulation;
     private final ServerEvents events;
-    private final Pictures pictures;
     private final Optional<Path> lawsFolder;
     private final AgentServer agents;
     private final @Nullable LawFolder laws;
@@ -31,26 +31,26 @@ public final class WorldServer implements AutoCloseable {
      * Builds the world, loads its laws, and begins to listen.
      *
      * @param lawsFolder watched for law libraries, if given
+     * @param pictures closed by the server
      * @throws IOException if the port cannot be bound
      * @throws reve.pe.PhysicsException if a law of the world file does not load
      */
     public WorldServer(WorldDescription description, Pacing pacing, AgentServerConfig config,
             Optional<Path> lawsFolder, Pictures pictures, ServerEvents events) throws IOException {
         this.events = events;
-        this.pictures = pictures;
         this.lawsFolder = lawsFolder;
-        simulation = new Simulation(description, pacing);
         try {
-            laws = lawsFolder.map(folder -> new LawFolder(folder, simulation.engine(),
-                    simulation.physics().laws(), simulation.commands())).orElse(null);
+            simulation = closing.add(new Simulation(description, pacing));
+            closing.add(pictures);
+            laws = lawsFolder.map(folder -> closing.add(new LawFolder(folder, simulation.engine(),
+                    simulation.physics().laws(), simulation.commands()))).orElse(null);
             pictures.subscribeTo(simulation, events);
             simulation.onPublish("server events", this::tellEvents);
-            agents = AgentServer.start(config, new WorldPort(description.name(),
+            agents = closing.add(AgentServer.start(config, new WorldPort(description.name(),
                     description.timing().framesPerSecond(), description.agents(), simulation.bus(),
-                    simulation.commands(), simulation.snapshots()));
+                    simulation.commands(), simulation.snapshots())));
         } catch (IOException | RuntimeException refused) {
-            pictures.close();
-            simulation.close();
+            closing.closeAfter(refused);
             throw refused;
         }
     }
@@ -90,12 +90,7 @@ public final class WorldServer implements AutoCloseable {
     /** Says goodbye to agents, finishes pictures, frees everything. May be called twice. */
     @Override
     public void close() {
-        agents.close();
-        if (laws != null) {
-            laws.close();
-        }
-        pictures.close();
-        simulation.close();
+        closing.close();
     }
 
     private void tellEvents(FrameEvent frame) {
@@ -103,7 +98,7 @@ public final class WorldServer implements AutoCloseable {
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("frame", event.frame());
             fields.put("time", frame.timeSeconds());
-            fields.putAll(event.fields());
+            event.fields().forEach(fields::putIfAbsent);
             events.happened(event.type(), fields);
         }
     }
