@@ -249,8 +249,10 @@ public final class World {
         return arena.reserve(columnName, bytes);
     }
 
+    /** Keeps memory that a column left until all have let go of it, as the layout tells them to. */
     void retire(MemorySegment memory) {
         retired.add(memory);
+        layoutVersion++;
     }
 
     void setSymbols(Item item, ItemSymbols changed) {

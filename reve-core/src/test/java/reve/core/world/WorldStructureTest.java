@@ -263,6 +263,7 @@ class WorldStructureTest {
         World small = new World("small", WorldPrototype.standard("si-f64"), limited);
         small.add(ItemDefinition.named("first").physics("mass", 5).build());
         limited.limit = limited.bytes + 10_000;
+        long layout = small.layoutVersion();
         List<ItemDefinition> many = new ArrayList<>();
         for (int i = 0; i < 200; i++) {
             many.add(ItemDefinition.named("b" + i).physics("mass", i).build());
@@ -271,6 +272,7 @@ class WorldStructureTest {
                 .withMessageContaining("full");
         assertThat(small.items()).hasSize(2);
         assertThat(small.table("body").rowCount()).isEqualTo(1);
+        assertThat(small.layoutVersion()).as("some columns moved").isGreaterThan(layout);
         limited.limit = Long.MAX_VALUE;
         List<Item> added = small.addAll(many);
         assertThat(small.find("first").orElseThrow().physics().scalar("mass")).isEqualTo(5);
