@@ -6,6 +6,7 @@
 #include "folders.hpp"
 #include "laws_command.hpp"
 #include "run_command.hpp"
+#include "test_command.hpp"
 #include "vesper/vesper.hpp"
 
 namespace {
@@ -47,6 +48,17 @@ void AddLaws(CLI::App& app, int& code) {
   command->callback([options, &code] { code = ListLaws(*options); });
 }
 
+void AddTest(CLI::App& app, int& code) {
+  auto* command =
+      app.add_subcommand("test", "Holds law libraries to what every law promises and they claim.");
+  auto options = std::make_shared<TestOptions>();
+  command->add_option("LIBRARY", options->libraries, "Files of law libraries")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command->add_flag("--json", options->json, "Print the report as one JSON document");
+  command->callback([options, &code] { code = TestLaws(*options); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -57,6 +69,7 @@ int main(int argc, char** argv) {
   int code = kDone;
   AddRun(app, code);
   AddLaws(app, code);
+  AddTest(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

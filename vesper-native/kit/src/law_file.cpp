@@ -158,6 +158,22 @@ BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>
   Check(desc.bind(law_.get(), properties.data(), &error), error);
 }
 
+void BareLaw::Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const {
+  const double start = static_cast<double>(time.index) * time.dt;
+  vesper_step step{sizeof step, 0, std::max(desc_.stages, 1u), 0, time.dt, start,
+                   time.index};
+  if (desc_.phase == VESPER_PHASE_INTEGRATE) Advance(step);
+  for (step.stage = 1; step.stage <= step.stage_count; ++step.stage) {
+    evaluate(step.stage);
+    Advance(step);
+  }
+}
+
+void BareLaw::Advance(const vesper_step& step) const {
+  vesper_error error{};
+  Check(desc_.advance(law_.get(), &step, &error), error);
+}
+
 double BareLaw::PotentialEnergy() const {
   double energy = 0;
   vesper_error error{};

@@ -30,15 +30,38 @@ const vesper_prototype& PrototypeOf(vesper_scalar_type real_type) {
   return StandardPrototype(real_type == VESPER_F64 ? "si-f64" : "si-f32");
 }
 
+/// Of the prototype, then of the properties that only the laws know: what they declare.
+std::vector<vesper_property_descriptor> DescriptorsFor(
+    const vesper_prototype& prototype, const std::vector<const vesper_law_desc*>& laws) {
+  std::vector<vesper_property_descriptor> all(prototype.properties,
+                                              prototype.properties + prototype.property_count);
+  for (const vesper_law_desc* law : laws) {
+    for (const auto& use : std::span(law->uses, law->use_count)) {
+      const auto known = std::ranges::find_if(
+          all, [&](const auto& property) { return property.name == std::string(use.name); });
+      if (known == all.end()) {
+        all.push_back({sizeof(vesper_property_descriptor), use.scalar_type, use.name, use.kind, use.components, use.access,
+                       use.unit, nullptr, nullptr, "Declared by the law."});
+      } else if (known >= all.begin() + prototype.property_count) {
+        known->law_access |= use.access;
+      }
+    }
+  }
+  return all;
+}
+
 }  // namespace
 
-World::World(vesper_scalar_type real_type, uint64_t rows, uint32_t seed) : real_type_(real_type) {
+World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
+             uint64_t rows, uint32_t seed)
+    : prototype_(PrototypeOf(real_type)), descriptors_(DescriptorsFor(prototype_, laws)) {
+  prototype_.properties = descriptors_.data();
+  prototype_.property_count = static_cast<uint32_t>(descriptors_.size());
   std::mt19937 random(seed);
   const auto draw = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
   };
-  const vesper_prototype& prototype = PrototypeOf(real_type);
-  for (const auto& property : std::span(prototype.properties, prototype.property_count)) {
+  for (const vesper_property_descriptor& property : descriptors_) {
     const bool single = property.kind == std::string("world");
     columns_.emplace_back(property, single ? std::min<uint64_t>(rows, 1) : rows);
     Fill(columns_.back(), draw);
@@ -70,7 +93,7 @@ const AnyColumn& World::operator[](const std::string& name) const {
   for (const AnyColumn& column : columns_) {
     if (column.descriptor().name == name) return column;
   }
-  throw std::logic_error("the standard prototypes have no property " + name);
+  throw std::logic_error("the world has no property " + name);
 }
 
 AnyColumn& World::operator[](const std::string& name) {
@@ -109,8 +132,18 @@ void World::Rotate(const Quaternion& by) {
   }
 }
 
-PhysicsEngine World::MakeEngine(const std::string& library, uint32_t threads) {
-  PhysicsEngine engine(PrototypeOf(real_type_), {.threads = threads, .validate = true});
+std::vector<vesper_property> World::PropertiesFor(const vesper_law_desc& law) {
+  std::vector<vesper_property> properties;
+  for (const auto& use : std::span(law.uses, law.use_count)) {
+    AnyColumn& column = (*this)[use.name];
+    properties.push_back({sizeof(vesper_property), use.scalar_type, use.name, use.kind,
+                          use.components, use.access, column.data(), column.rows(), 0});
+  }
+  return properties;
+}
+
+PhysicsEngine World::MakeEngine(const std::string& library, uint32_t threads, bool validate) {
+  PhysicsEngine engine(prototype_, {.threads = threads, .validate = validate});
   for (AnyColumn& column : columns_) column.AddTo(engine.PropertyProvider());
   engine.LoadPhysicsLaw(library);
   return engine;

@@ -1,6 +1,8 @@
 // A law library as a file, and as code called without an engine.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -52,7 +54,17 @@ class BareLaw {
 
   double PotentialEnergy() const;
 
+  struct Time {
+    double dt;       // [s]
+    uint64_t index;  // of the step
+  };
+  /// One step: stage 0 if the law integrates, then each stage after `evaluate(stage)`, which may
+  /// fill in forces.
+  void Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const;
+
  private:
+  void Advance(const vesper_step& step) const;
+
   struct Destroy {
     const vesper_law_desc* desc;
     void operator()(vesper_law* law) const { desc->destroy(law); }

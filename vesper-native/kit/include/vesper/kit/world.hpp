@@ -1,4 +1,5 @@
-// A random world with a column for every property of a standard prototype, for laws of any kind.
+// A random world with a column for every property of a standard prototype and of a law, for laws of
+// any kind.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +21,15 @@ struct Quaternion {
 
 class World {
  public:
-  /// `rows` of every kind but `world`, which has one (none if `rows` is 0). References name two
+  /// A column for every property of the standard prototype, and for those that only the laws know,
+  /// whose tables must stay loaded. `rows` of every kind but `world`, which has one (none if `rows` is 0). References name two
   /// different rows where there are two; masses and the like are above zero.
-  World(vesper_scalar_type real_type, uint64_t rows, uint32_t seed);
+  World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
+        uint64_t rows, uint32_t seed);
+
+  World(World&&) = default;
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
 
   AnyColumn& operator[](const std::string& name);
   const AnyColumn& operator[](const std::string& name) const;
@@ -34,13 +41,16 @@ class World {
   /// Turns vectors and orientations about the origin.
   void Rotate(const Quaternion& by);
 
-  /// Loads one library in validate mode. The world must stay in place from now on.
-  PhysicsEngine MakeEngine(const std::string& library, uint32_t threads = 1);
+  /// The columns that a law uses, in its order.
+  std::vector<vesper_property> PropertiesFor(const vesper_law_desc& law);
+  /// Loads one library. The world must stay in place from now on.
+  PhysicsEngine MakeEngine(const std::string& library, uint32_t threads = 1, bool validate = true);
 
  private:
   void Fill(AnyColumn& column, const std::function<double(double, double)>& draw);
 
-  vesper_scalar_type real_type_;
+  vesper_prototype prototype_;
+  std::vector<vesper_property_descriptor> descriptors_;
   std::vector<AnyColumn> columns_;
 };
 

@@ -1,0 +1,103 @@
+#include "test_command.hpp"
+
+#include <filesystem>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <span>
+
+#include "exit_code.hpp"
+#include "text_table.hpp"
+#include "vesper/kit/check.hpp"
+#include "vesper/vesper.hpp"
+
+namespace vesper::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* NameOf(Verdict verdict) {
+  constexpr const char* kNames[] = {"PASS", "FAIL", "skip"};
+  return kNames[static_cast<int>(verdict)];
+}
+
+const char* PrecisionName(vesper_scalar_type real_type) {
+  if (real_type == VESPER_F32) return "f32";
+  return real_type == VESPER_F64 ? "f64" : "";
+}
+
+struct Result {
+  const Check* check;
+  vesper_scalar_type real_type;
+  CheckOutcome outcome;
+};
+
+std::vector<Result> TestLibrary(const std::string& file) {
+  std::vector<Result> results;
+  for (const Check& check : Checks()) {
+    const std::vector<vesper_scalar_type> precisions =
+        check.per_precision ? std::vector<vesper_scalar_type>{VESPER_F64, VESPER_F32}
+                            : std::vector<vesper_scalar_type>{0};
+    for (const vesper_scalar_type real_type : precisions) {
+      results.push_back({&check, real_type, RunCheck(check, {file, real_type})});
+    }
+  }
+  return results;
+}
+
+Json ToJson(const std::vector<Result>& results) {
+  Json list = Json::array();
+  for (const auto& [check, real_type, outcome] : results) {
+    list.push_back({{"check", check->name},
+                    {"promise", check->promise},
+                    {"precision", PrecisionName(real_type)},
+                    {"verdict", NameOf(outcome.verdict)},
+                    {"note", outcome.note}});
+  }
+  return list;
+}
+
+void PrintResults(const std::vector<Result>& results) {
+  TextTable table;
+  for (const auto& [check, real_type, outcome] : results) {
+    table.push_back({NameOf(outcome.verdict), check->name, PrecisionName(real_type),
+                     outcome.note.empty() ? check->promise
+                                          : std::string(check->promise) + ": " + outcome.note});
+  }
+  Print(std::cout, table, "  ");
+}
+
+/// Opened in a process of its own first: one that cannot be loaded is not tested.
+void RequireLoadable(const std::string& file) { PreparedLibrary(EngineConfig{}, file); }
+
+}  // namespace
+
+int TestLaws(const TestOptions& options) {
+  Json report = Json::array();
+  int passed = 0, failed = 0, skipped = 0;
+  for (const std::string& library : options.libraries) {
+    const std::string file = std::filesystem::absolute(library).lexically_normal();
+    try {
+      RequireLoadable(file);
+    } catch (const Error& error) {
+      std::cerr << "vesper: " << error.what() << "\n";
+      return kNotLoaded;
+    }
+    const std::vector<Result> results = TestLibrary(file);
+    for (const Result& result : results) {
+      const Verdict verdict = result.outcome.verdict;
+      ++(verdict == Verdict::kPass ? passed : verdict == Verdict::kFail ? failed : skipped);
+    }
+    report.push_back({{"file", file}, {"checks", ToJson(results)}});
+    if (options.json) continue;
+    std::cout << library << "\n";
+    PrintResults(results);
+  }
+  if (options.json) {
+    std::cout << report.dump() << "\n";
+  } else {
+    std::cout << passed << " passed, " << failed << " failed, " << skipped << " skipped\n";
+  }
+  return failed == 0 ? kDone : kFailed;
+}
+
+}  // namespace vesper::cli

@@ -1,0 +1,119 @@
+// What a law claims: conservation, symmetry, and forces that derive from an energy.
+#include <cmath>
+#include <span>
+
+#include "subject.hpp"
+
+namespace vesper {
+namespace {
+
+constexpr uint64_t kRows = 101;
+
+/// A world after one step in which nothing but the laws exerts forces.
+World AfterOneStep(const LawsUnderTest& subject) {
+  World world = subject.MakeWorld(kRows);
+  world.Clear("appliedForce");
+  PhysicsEngine engine = world.MakeEngine(subject.file());
+  engine.Advance(kDt);
+  return world;
+}
+
+std::string Remainder(const char* what, double sum, double largest) {
+  return std::string(what) + " sum to " + std::to_string(sum) + ", the largest force is " +
+         std::to_string(largest) + " (seed " + std::to_string(kSeed) + ")";
+}
+
+void Run(const LawsUnderTest& subject, World& world) {
+  PhysicsEngine engine = world.MakeEngine(subject.file());
+  engine.Advance(kDt, 4);
+}
+
+}  // namespace
+
+std::string CheckMomentum(const Subject& of) {
+  const LawsUnderTest subject(of);
+  subject.RequireClaim(VESPER_CLAIM_MOMENTUM);
+  const World world = AfterOneStep(subject);
+  const AnyColumn& force = world["externalForce"];
+  Vec3<double> sum;
+  for (uint64_t i = 0; i < force.rows(); ++i) sum += force.GetVector(i);
+  Expect(force.Largest() > 0, "exerts no force at all");
+  Expect(Length(sum) < subject.Tolerance(force.Largest()),
+         Remainder("forces", Length(sum), force.Largest()));
+  return "";
+}
+
+std::string CheckAngularMomentum(const Subject& of) {
+  const LawsUnderTest subject(of);
+  subject.RequireClaim(VESPER_CLAIM_ANGULAR_MOMENTUM);
+  const World world = AfterOneStep(subject);
+  const AnyColumn &force = world["externalForce"], &torque = world["torque"];
+  Vec3<double> sum;
+  for (uint64_t i = 0; i < force.rows(); ++i) {
+    sum += Cross(world["position"].GetVector(i), force.GetVector(i)) + torque.GetVector(i);
+  }
+  Expect(force.Largest() + torque.Largest() > 0, "exerts no force at all");
+  Expect(Length(sum) < subject.Tolerance(10 * (force.Largest() + torque.Largest())),
+         Remainder("moments", Length(sum), force.Largest()));
+  return "";
+}
+
+std::string CheckTranslation(const Subject& of) {
+  const LawsUnderTest subject(of);
+  subject.RequireClaim(VESPER_CLAIM_TRANSLATION);
+  const Vec3<double> by{8, -4, 16};
+  World here = subject.MakeWorld(kRows), there = subject.MakeWorld(kRows);
+  there.Translate(by);
+  Run(subject, here);
+  Run(subject, there);
+  here.Translate(by);
+  subject.ExpectSameResults(here, there, 10);
+  return "";
+}
+
+std::string CheckRotation(const Subject& of) {
+  const LawsUnderTest subject(of);
+  subject.RequireClaim(VESPER_CLAIM_ROTATION);
+  const Quaternion by{{0.1, -0.5, 0.7}, 0.5};  // of length 1
+  World straight = subject.MakeWorld(kRows), turned = subject.MakeWorld(kRows);
+  turned.Rotate(by);
+  Run(subject, straight);
+  Run(subject, turned);
+  straight.Rotate(by);
+  subject.ExpectSameResults(straight, turned, 10);
+  return "";
+}
+
+// F = -dU/dx by central differences, for bodies at rest (friction is then zero).
+std::string CheckPotentialEnergy(const Subject& of) {
+  const LawsUnderTest subject(of);
+  const vesper_law_desc& desc = *subject.laws().front();
+  if (subject.real_type() != VESPER_F64) throw CheckSkipped("differences of f32 energies say nothing");
+  if (subject.laws().size() > 1) throw CheckSkipped("the forces of a suite cannot be told apart");
+  if (desc.potential_energy == nullptr) throw CheckSkipped("has none");
+  const double h = 1e-5;
+  World world = subject.MakeWorld(7), probe = subject.MakeWorld(7);
+  world.Clear("appliedForce");
+  world.Clear("velocity");
+  PhysicsEngine engine = world.MakeEngine(subject.file());
+  engine.Advance(kDt);
+  const BareLaw law(desc, probe.PropertiesFor(desc));
+  AnyColumn& position = probe["position"];
+  const AnyColumn& force = world["externalForce"];
+  for (uint64_t i = 0; i < position.size(); ++i) {
+    const double x = position.Get(i);
+    position.Set(i, x + h);
+    const double after = law.PotentialEnergy();
+    position.Set(i, x - h);
+    const double before = law.PotentialEnergy();
+    position.Set(i, x);
+    const double gradient = -(after - before) / (2 * h);
+    Expect(std::abs(force.Get(i) - gradient) <= 1e-6 * (1 + force.Largest()),
+           "force " + std::to_string(force.Get(i)) + " N on row " + std::to_string(i / 3) +
+               ", but the energy falls by " + std::to_string(gradient) + " J/m (seed " +
+               std::to_string(kSeed) + ")");
+  }
+  return "";
+}
+
+}  // namespace vesper

@@ -1,0 +1,86 @@
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <csignal>
+#include <cstring>
+#include <stdexcept>
+
+#include "expect.hpp"
+#include "vesper/kit/check.hpp"
+
+namespace vesper {
+namespace {
+
+CheckOutcome RunHere(const Check& check, const Subject& subject) {
+  try {
+    return {Verdict::kPass, check.run(subject)};
+  } catch (const CheckSkipped& skipped) {
+    return {Verdict::kSkip, skipped.what()};
+  } catch (const std::exception& error) {
+    return {Verdict::kFail, error.what()};
+  } catch (...) {
+    return {Verdict::kFail, "something was thrown that is no std::exception"};
+  }
+}
+
+void WriteAll(int file, const std::string& text) {
+  for (size_t done = 0; done < text.size();) {
+    const ssize_t n = write(file, text.data() + done, text.size() - done);
+    if (n <= 0) _exit(2);
+    done += static_cast<size_t>(n);
+  }
+}
+
+std::string ReadAll(int file) {
+  std::string all;
+  char part[4096];
+  for (ssize_t n; (n = read(file, part, sizeof part)) > 0;) all.append(part, static_cast<size_t>(n));
+  close(file);
+  return all;
+}
+
+/// Ends the process without a core file when the time is over, whatever the law does.
+void LimitItself(std::chrono::seconds limit) {
+  const rlimit none{0, 0};
+  setrlimit(RLIMIT_CORE, &none);
+  std::signal(SIGALRM, SIG_DFL);
+  alarm(static_cast<unsigned>(limit.count()));
+}
+
+CheckOutcome FromEnd(int status, std::chrono::seconds limit) {
+  if (!WIFSIGNALED(status)) {
+    return {Verdict::kFail, "the law ended the process with exit code " +
+                                std::to_string(WEXITSTATUS(status))};
+  }
+  if (WTERMSIG(status) == SIGALRM) {
+    return {Verdict::kFail, "not done after " + std::to_string(limit.count()) + " s"};
+  }
+  return {Verdict::kFail, std::string("the law crashed: ") + strsignal(WTERMSIG(status))};
+}
+
+}  // namespace
+
+CheckOutcome RunCheck(const Check& check, const Subject& subject, std::chrono::seconds limit) {
+  int ends[2];
+  if (pipe(ends) != 0) throw std::runtime_error(std::string("pipe: ") + std::strerror(errno));
+  const pid_t child = fork();
+  if (child < 0) throw std::runtime_error(std::string("fork: ") + std::strerror(errno));
+  if (child == 0) {
+    close(ends[0]);
+    LimitItself(limit);
+    const CheckOutcome outcome = RunHere(check, subject);
+    WriteAll(ends[1], static_cast<char>('0' + static_cast<int>(outcome.verdict)) + outcome.note);
+    _exit(0);
+  }
+  close(ends[1]);
+  const std::string answer = ReadAll(ends[0]);
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (answer.empty() || !WIFEXITED(status) || WEXITSTATUS(status) != 0) {
+    return FromEnd(status, limit);
+  }
+  return {static_cast<Verdict>(answer[0] - '0'), answer.substr(1)};
+}
+
+}  // namespace vesper

@@ -1,0 +1,65 @@
+// One library in one precision, as the checks look at it.
+#pragma once
+
+#include <set>
+#include <string>
+#include <vector>
+
+#include "expect.hpp"
+#include "vesper/kit/check.hpp"
+#include "vesper/kit/law_file.hpp"
+#include "vesper/kit/world.hpp"
+
+namespace vesper {
+
+inline constexpr uint32_t kSeed = 20260;
+inline constexpr double kDt = 1.0 / 240;  // [s]
+
+class LawsUnderTest {
+ public:
+  explicit LawsUnderTest(const Subject& subject);
+
+  const std::string& file() const { return file_; }
+  const LawFile& library() const { return library_; }
+  vesper_scalar_type real_type() const { return real_type_; }
+  const std::vector<const vesper_law_desc*>& laws() const { return laws_; }
+
+  World MakeWorld(uint64_t rows) const { return World(real_type_, laws_, rows, kSeed); }
+  /// Skips the check unless all laws of the library make the claim.
+  void RequireClaim(uint32_t claim) const;
+  /// Of sums over some hundred numbers of that size.
+  double Tolerance(double size) const { return size * (real_type_ == VESPER_F64 ? 1e-12 : 1e-4); }
+  /// Uses of all laws.
+  std::vector<vesper_property_use> Uses() const;
+  /// Names of what they write.
+  std::set<std::string> Written() const;
+  /// What the laws wrote must agree, up to rounding.
+  void ExpectSameResults(const World& a, const World& b, double slack) const;
+
+ private:
+  std::string file_;
+  vesper_scalar_type real_type_;
+  LawFile library_;
+  std::vector<const vesper_law_desc*> laws_;
+};
+
+// The checks, by the file that they are in; see Checks().
+std::string CheckExports(const Subject&);
+std::string CheckImports(const Subject&);
+std::string CheckTable(const Subject&);
+std::string CheckPrecisions(const Subject&);
+std::string CheckReload(const Subject&);
+std::string CheckRows(const Subject&);
+std::string CheckGuardPages(const Subject&);
+std::string CheckThreads(const Subject&);
+std::string CheckParameters(const Subject&);
+std::string CheckNotANumber(const Subject&);
+std::string CheckMomentum(const Subject&);
+std::string CheckAngularMomentum(const Subject&);
+std::string CheckTranslation(const Subject&);
+std::string CheckRotation(const Subject&);
+std::string CheckPotentialEnergy(const Subject&);
+std::string CheckConvergence(const Subject&);
+std::string MeasureTime(const Subject&);
+
+}  // namespace vesper
