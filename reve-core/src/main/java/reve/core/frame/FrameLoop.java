@@ -60,8 +60,7 @@ public final class FrameLoop {
         dispatch(frame, FramePhase.PHYSICS);
         world.releaseReplacedMemory();
         dispatch(frame, FramePhase.DERIVE);
-        dispatch(frame, FramePhase.PUBLISH);
-        world.endFrame();
+        publish(frame);
         add(busyNanoseconds, clock.nanoTime() - start);
         frames.setRelease(frame);
     }
@@ -117,9 +116,14 @@ public final class FrameLoop {
         if (!begun) {
             begun = true;
             dispatch(0, FramePhase.DERIVE);
-            dispatch(0, FramePhase.PUBLISH);
-            world.endFrame();
+            publish(0);
         }
+    }
+
+    private void publish(long frame) {
+        world.fixEvents();
+        dispatch(frame, FramePhase.PUBLISH);
+        world.endFrame();
     }
 
     private void dispatch(long frame, FramePhase phase) {

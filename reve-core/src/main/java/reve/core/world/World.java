@@ -37,6 +37,7 @@ public final class World {
     private final Map<String, Item> itemsByName = new HashMap<>();
     private final List<MemorySegment> retired = new ArrayList<>();
     private final List<WorldEvent> events = new ArrayList<>();
+    private @Nullable List<WorldEvent> published;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private volatile Thread owner = Thread.currentThread();
     private @Nullable String lockedBy;
@@ -180,16 +181,22 @@ public final class World {
         return symbols;
     }
 
-    /** Adds an event to the frame that is being made, or to the next one between frames. */
+    /**
+     * Adds an event to the frame that is being made, or to the next one in PUBLISH and between
+     * frames.
+     */
     public void raise(WorldEvent event) {
         checkOwner();
         events.add(event);
     }
 
-    /** Events since the last frame ended, in the order raised; a copy. */
+    /**
+     * Events of the frame that is being made, in the order raised; a copy. In PUBLISH they are the
+     * same to all who ask.
+     */
     public List<WorldEvent> events() {
         checkOwner();
-        return events.isEmpty() ? List.of() : List.copyOf(events);
+        return published != null ? published : List.copyOf(events);
     }
 
     /** Makes the calling thread the owner; the former owner must have stopped using the world. */
@@ -222,10 +229,20 @@ public final class World {
         retired.clear();
     }
 
-    /** Ends a frame: forgets its events and unlocks the structure. */
+    /** Begins PUBLISH: what is raised from now on belongs to the next frame. */
+    public void fixEvents() {
+        checkOwner();
+        published = List.copyOf(events);
+        events.clear();
+    }
+
+    /** Ends a frame: forgets its events, fixed or not, and unlocks the structure. */
     public void endFrame() {
         checkOwner();
-        events.clear();
+        if (published == null) {
+            events.clear();
+        }
+        published = null;
         lockedBy = null;
     }
 

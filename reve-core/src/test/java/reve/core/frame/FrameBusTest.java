@@ -127,4 +127,24 @@ class FrameBusTest {
         loop.step();
         assertThat(seen).containsExactly("0built", "1acted", "2between", "2acted");
     }
+
+    @Test
+    void whatIsRaisedInPublishIsToldInTheNextFrameToAllReaders() {
+        List<String> seen = new ArrayList<>();
+        FrameListener reader = event -> event.world().events()
+                .forEach(raised -> seen.add(event.frame() + " " + raised.fields().get("message")));
+        bus.subscribe(FramePhase.PUBLISH, "early reader", reader);
+        bus.subscribe(FramePhase.PUBLISH, "bad", event -> {
+            if (event.frame() == 1) {
+                throw new IllegalStateException("disk full");
+            }
+        });
+        bus.subscribe(FramePhase.PUBLISH, "late reader", reader);
+        loop.step();
+        assertThat(seen).isEmpty();
+        loop.step();
+        assertThat(seen).containsExactly("2 disk full", "2 disk full");
+        loop.step();
+        assertThat(seen).hasSize(2);
+    }
 }
