@@ -38,8 +38,9 @@ public final class SnapshotRing {
      * @param timeSeconds simulated time at its end [s]
      */
     public void publish(long frame, double timeSeconds) {
-        SnapshotSlot slot = takeSlot();
+        SnapshotSlot slot = oldestFreeSlot();
         slot.write(world, frame, timeSeconds);
+        older.remove(slot);
         SnapshotSlot previous = latest;
         latest = slot;
         if (previous != null) {
@@ -64,14 +65,13 @@ public final class SnapshotRing {
         }
     }
 
-    private SnapshotSlot takeSlot() {
-        int chosen = 0;
+    /** The oldest slot if all are being read. */
+    private SnapshotSlot oldestFreeSlot() {
         for (int i = 0; i < older.size(); i++) {
             if (older.get(i).isFree()) {
-                chosen = i;
-                break;
+                return older.get(i);
             }
         }
-        return older.remove(chosen);
+        return older.getFirst();
     }
 }

@@ -10,8 +10,8 @@ import org.pcollections.PMap;
 import org.pcollections.TreePMap;
 
 /**
- * Room for one snapshot, guarded by a stamp (a sequence lock): odd while the world's thread writes,
- * else even and different after every write.
+ * Room for one snapshot, guarded by a stamp (a sequence lock): odd from when the world's thread
+ * begins to write until a whole frame is there, else even and different after every write.
  */
 final class SnapshotSlot {
 
@@ -31,9 +31,13 @@ final class SnapshotSlot {
         return readers.get() == 0;
     }
 
-    /** Overwrites the slot, readers or not. World's thread. */
+    /**
+     * Overwrites the slot, readers or not. World's thread. If it throws, nobody can acquire the
+     * slot until it is written again.
+     */
     void write(World world, long newFrame, double newTimeSeconds) {
-        stamp.setRelease(stamp.getPlain() + 1);
+        long writing = stamp.getPlain() | 1;
+        stamp.setRelease(writing);
         VarHandle.storeStoreFence();
         frame = newFrame;
         timeSeconds = newTimeSeconds;
@@ -42,10 +46,10 @@ final class SnapshotSlot {
         for (int i = 0; i < tables.size(); i++) {
             tables.get(i).copyFromTable();
         }
-        stamp.setRelease(stamp.getPlain() + 1);
+        stamp.setRelease(writing + 1);
     }
 
-    /** A view of what the slot holds, unless it is being overwritten. Any thread. */
+    /** A view of what the slot holds, unless that is no whole frame. Any thread. */
     Optional<WorldSnapshot> acquire() {
         readers.incrementAndGet();
         long before = stamp.getAcquire();

@@ -143,6 +143,40 @@ class SnapshotRingTest {
         held.close();
     }
 
+    @Test
+    void aFrameThatCannotBePublishedCostsNoSlotAndIsSeenByNobody() throws Exception {
+        var ring = new SnapshotRing(world, 2);
+        var slot = new SnapshotSlot(world);
+        ring.publish(1, 0);
+        ownedByAnother(() -> {
+            assertThatIllegalStateException().isThrownBy(() -> ring.publish(2, 0));
+            assertThatIllegalStateException().isThrownBy(() -> slot.write(world, 2, 0));
+        });
+        assertThat(slot.acquire()).as("half a frame").isEmpty();
+        assertThat(slot.isFree()).isTrue();
+        slot.write(world, 3, 0);
+        try (WorldSnapshot snapshot = slot.acquire().orElseThrow()) {
+            assertThat(snapshot.frame()).isEqualTo(3);
+            assertThat(snapshot.lost()).isFalse();
+        }
+        for (int frame = 3; frame < 6; frame++) {
+            ring.publish(frame, 0);
+            try (WorldSnapshot latest = ring.acquireLatest().orElseThrow()) {
+                assertThat(latest.frame()).isEqualTo(frame);
+                assertThat(latest.lost()).isFalse();
+            }
+        }
+    }
+
+    /** Meanwhile this thread may not read the world, so that copying it fails half way. */
+    private void ownedByAnother(Runnable meanwhile) throws InterruptedException {
+        Thread other = new Thread(world::claim);
+        other.start();
+        other.join();
+        meanwhile.run();
+        world.claim();
+    }
+
     /** Every row says the frame it was written in; rows come and go, so memory is replaced too. */
     @Test
     void readersOnOtherThreadsSeeWholeFramesOrLoseThem() throws Exception {
