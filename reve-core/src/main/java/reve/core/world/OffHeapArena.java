@@ -8,7 +8,7 @@ import java.util.Map;
 /** Column memory outside the Java heap, in this process only. */
 public final class OffHeapArena implements ColumnArena {
 
-    private static final long ALIGNMENT_BYTES = 64;
+    private static final long PAGE_BYTES = 4096;
 
     private final Map<Long, Arena> arenaByAddress = new HashMap<>();
 
@@ -16,7 +16,7 @@ public final class OffHeapArena implements ColumnArena {
     public MemorySegment reserve(String name, long bytes) {
         Arena arena = Arena.ofShared();
         try {
-            MemorySegment memory = arena.allocate(bytes, ALIGNMENT_BYTES);
+            MemorySegment memory = arena.allocate(bytes, PAGE_BYTES);
             arenaByAddress.put(memory.address(), arena);
             return memory;
         } catch (IllegalArgumentException | OutOfMemoryError e) {

@@ -211,7 +211,7 @@ class AspectsTest {
         }
         Column velocity = world.table("body").column("velocity");
         assertThat(velocity.segment().byteSize()).isEqualTo(3 * 3 * 8);
-        assertThat(velocity.segment().address() % 64).isZero();
+        assertThat(velocity.segment().address() % 4096).isZero();
         assertThat(velocity.buffer().isDirect()).isTrue();
         assertThat(velocity.buffer().asDoubleBuffer().get(7)).isEqualTo(12);
         assertThat(velocity.getDouble(2, 1)).isCloseTo(12, within(0.0));
