@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Builds the engine and the laws with sanitizers, runs their GoogleTests, and prints, last,
+# `N passed, N failed`:
+#
+#     scripts/sanitize.sh
+#
+# Two builds: address with undefined behaviour, and thread. Their output is kept in
+# build/reports/sanitize/. A finding of a sanitizer fails the test that it was made in.
+set -euo pipefail
+root=$(cd "$(dirname "$(readlink -f "${BASH_SOURCE[0]}")")/.." && pwd)
+reports=$root/build/reports/sanitize
+jobs=$(nproc)
+
+say() { printf '%s\n' "reve: $*" >&2; }
+
+# build NAME SANITIZERS: the engine and the laws in build/sanitize-NAME.
+build() {
+  local out=$root/build/sanitize-$1 flags="-fsanitize=$2 -fno-sanitize-recover=all -fno-omit-frame-pointer"
+  cmake -S "$root/vesper-native" -B "$out/engine" -G Ninja \
+    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DVESPER_SANITIZE="$2" &&
+  cmake --build "$out/engine" -- -j"$jobs" &&
+  cmake -S "$root/laws" -B "$out/laws" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+    -DVesper_DIR="$out/engine" -DCMAKE_CXX_FLAGS="$flags" &&
+  cmake --build "$out/laws" -- -j"$jobs"
+}
+
+# run_tests NAME ROOM: the tests of build/sanitize-NAME/ROOM, into a JUnit report.
+run_tests() {
+  ctest --test-dir "$root/build/sanitize-$1/$2" --output-on-failure -j"$jobs" \
+    --output-junit "$reports/$1-$2.xml"
+}
+
+check() { # NAME SANITIZERS
+  say "building with the $1 sanitizer …"
+  if ! build "$1" "$2" > "$reports/$1-build.log" 2>&1; then
+    say "the build failed; see $reports/$1-build.log:"
+    grep -m 5 -E 'error|FAILED' "$reports/$1-build.log" >&2 || true
+    return
+  fi
+  local room
+  for room in engine laws; do
+    say "running the tests of the $room with the $1 sanitizer …"
+    run_tests "$1" "$room" > "$reports/$1-$room.log" 2>&1 || true
+  done
+}
+
+rm -rf "$reports"
+mkdir -p "$reports"
+# Mesa, which draws for the renderer, has threads of its own and is built without the sanitizer, which
+# therefore sees what Mesa copies but not its locks. Nothing else is suppressed: for TBB, see
+# vesper-native/src/thread_sanitizer.hpp.
+echo 'race:libOSMesa.so' > "$reports/thread.supp"
+export TSAN_OPTIONS="suppressions=$reports/thread.supp"
+check address address,undefined
+check thread thread
+python3 "$root/scripts/test_summary.py" "$reports" \
+  address-engine address-laws thread-engine thread-laws
