@@ -77,9 +77,9 @@ final class JsonProcess implements AutoCloseable {
         }
     }
 
-    /** Asks the process to end, as Ctrl-C does. */
+    /** Asks the process to end, as Ctrl-C does; what it says meanwhile is still read. */
     void interrupt() {
-        process.destroy();
+        process.toHandle().destroy();
     }
 
     /** Waits for the process to end, and returns the last line it wrote. */
