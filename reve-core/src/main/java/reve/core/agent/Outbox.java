@@ -13,11 +13,16 @@ final class Outbox {
     private static final byte[] NOTHING = {};
 
     /** One line in two parts, so that everybody shares the long one. */
-    record Line(byte[] head, byte[] tail) {}
+    record Line(byte[] head, byte[] tail) {
+
+        int bytes() {
+            return head.length + tail.length;
+        }
+    }
 
     private final int maxMessages;
     private final int maxBytes;
-    private final Deque<byte[]> messages = new ArrayDeque<>();
+    private final Deque<Line> messages = new ArrayDeque<>();
     private int bytes;
     private @Nullable Line answer;
     private @Nullable Line latest;
@@ -36,7 +41,7 @@ final class Outbox {
         if (messages.size() >= maxMessages || bytes + line.length > maxBytes) {
             return false;
         }
-        add(line);
+        add(new Line(line, NOTHING));
         return true;
     }
 
@@ -65,7 +70,11 @@ final class Outbox {
         if (!finished) {
             finished = true;
             latest = null;
-            add(lastLine);
+            if (answer != null) {
+                add(answer); // behind what happened until the frame that it shows
+                answer = null;
+            }
+            add(new Line(lastLine, NOTHING));
         }
     }
 
@@ -77,15 +86,15 @@ final class Outbox {
             }
             wait();
         }
-        Line line = latest;
-        if (answer != null && (finished || messages.isEmpty())) {
+        Line line;
+        if (!messages.isEmpty()) {
+            line = messages.removeFirst();
+            bytes -= line.bytes();
+        } else if (answer != null) {
             line = answer;
             answer = null;
-        } else if (!messages.isEmpty()) {
-            byte[] message = messages.removeFirst();
-            bytes -= message.length;
-            line = new Line(message, NOTHING);
         } else {
+            line = latest;
             latest = null;
         }
         return line;
@@ -95,9 +104,9 @@ final class Outbox {
         return messages.isEmpty() && answer == null && latest == null;
     }
 
-    private void add(byte[] line) {
+    private void add(Line line) {
         messages.addLast(line);
-        bytes += line.length;
+        bytes += line.bytes();
         notifyAll();
     }
 }
