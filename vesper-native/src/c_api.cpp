@@ -181,6 +181,13 @@ vesper_status vesper_engine_clear_fault(vesper_engine* engine, vesper_error* err
   return Guarded(error, [&] { Required(engine, "engine").ClearFault(); });
 }
 
+vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind, uint64_t from,
+                                     uint64_t to, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(engine, "engine").MoveRow(&Required(kind, "kind"), from, to);
+  });
+}
+
 uint64_t vesper_engine_step_count(const vesper_engine* engine) noexcept {
   return engine == nullptr ? 0 : engine->step_count();
 }

@@ -1,6 +1,7 @@
 #include "engine.hpp"
 
 #include <algorithm>
+#include <cinttypes>
 #include <cmath>
 #include <string>
 
@@ -277,9 +278,11 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
   RefreshColumns();
   if (config_.validate) columns_.CheckReferences();
   schedule_.Bind();
+  schedule_.KeepScratch();
   try {
     for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
   } catch (const Failure& failure) {
+    schedule_.RestoreScratch();
     faulted_ = true;
     faulted_library_ = failure.error().library_id;
     throw;
@@ -292,6 +295,29 @@ void vesper_engine::ClearFault() {
   if (!faulted_) return;
   faulted_ = false;
   schedule_.Forget();
+}
+
+void vesper_engine::MoveRow(const char* kind, uint64_t from, uint64_t to) {
+  const Turn turn(*this);
+  const uint32_t moved = prototype_.FindKind(kind);
+  if (moved == vesper::kNone) {
+    throw Failure(VESPER_NOT_FOUND, "prototype %s has no kind '%.47s'", prototype_.name().c_str(),
+                  kind);
+  }
+  if (to > from) {
+    throw Failure(VESPER_INVALID_ARGUMENT,
+                  "row %" PRIu64 " of kind %s cannot become row %" PRIu64
+                  "; rows move towards the front only",
+                  from, kind, to)
+        .Row(from);
+  }
+  for (const auto& library : libraries_) {
+    for (const auto& law : library->laws()) {
+      for (vesper::MatchedUse& use : law->uses) {
+        if (use.IsScratch() && use.scratch_kind == moved) use.scratch.MoveRow(from, to);
+      }
+    }
+  }
 }
 
 uint64_t vesper_engine::StateHash() {

@@ -44,6 +44,7 @@ struct vesper_engine {
 
   void Advance(double dt, uint32_t steps);
   void ClearFault();
+  void MoveRow(const char* kind, uint64_t from, uint64_t to);
   uint64_t StateHash();
 
  private:

@@ -11,16 +11,21 @@
 #include "law.hpp"
 #include "law_runner.hpp"
 #include "prepared_library.hpp"
+#include "scratch_column.hpp"
 #include "thread_pool.hpp"
 
 namespace vesper {
 
 /// A use of a law, matched with the prototype.
 struct MatchedUse {
-  uint32_t property;  // kNone: optional, and not in the prototype
+  bool IsScratch() const { return use->access == VESPER_SCRATCH; }
+
+  uint32_t property;  // kNone: scratch, or optional and not in the prototype
   const vesper_property_use* use;
   AlignedBuffer share{};  // what the law accumulates, where that is kept apart from the total
   UnitRatio to_law{};     // from the property's unit to the one that the law declares
+  uint32_t scratch_kind = 0;
+  ScratchColumn scratch{};
 };
 
 /// A law with everything the engine keeps for it.

@@ -49,8 +49,10 @@ void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
   Require(use.components > 0, name, "components is 0");
   Require(IsValidUnit(use.unit), name, kBadUnit);
   Require((use.flags & ~VESPER_USE_OPTIONAL) == 0, name, "unknown flags");
-  Require(use.access >= VESPER_READ && use.access <= VESPER_ACCUMULATE, name,
-          "access must be READ, WRITE, READ_WRITE or ACCUMULATE");
+  Require((use.access >= VESPER_READ && use.access <= VESPER_ACCUMULATE) ||
+              use.access == VESPER_SCRATCH,
+          name, "access must be READ, WRITE, READ_WRITE, ACCUMULATE or SCRATCH");
+  Require(use.access != VESPER_SCRATCH || use.flags == 0, name, "SCRATCH cannot be optional");
   if (use.access == VESPER_ACCUMULATE) {
     Require(law.phase == VESPER_PHASE_FORCE, name, "ACCUMULATE is for laws of phase FORCE");
     Require(IsReal(use.scalar_type), name, "only real properties accumulate");

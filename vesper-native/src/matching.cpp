@@ -57,6 +57,21 @@ void CheckUse(const vesper_law_desc& law, const vesper_property_use& use, const 
   }
 }
 
+/// Memory of the law's own, for each row of a kind that the prototype knows.
+MatchedUse MatchScratch(const vesper_law_desc& law, const vesper_property_use& use,
+                        const Prototype& prototype) {
+  const uint32_t kind = prototype.FindKind(use.kind);
+  if (kind == kNone) {
+    throw Failure(VESPER_NOT_FOUND, "law %s: scratch %s: prototype %s has no kind %s", law.name,
+                  use.name, prototype.name().c_str(), use.kind)
+        .Property(use.name);
+  }
+  return {.property = kNone,
+          .use = &use,
+          .scratch_kind = kind,
+          .scratch = ScratchColumn(use.components * ScalarSize(use.scalar_type))};
+}
+
 /// Values that several rows share must not be written through one of them.
 void CheckShared(const vesper_law_desc& law, const vesper_property_use& use) {
   if (use.access == VESPER_READ) return;
@@ -145,6 +160,10 @@ std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& p
   const StructArray uses(law.uses, law.use_count, "uses");
   std::vector<MatchedUse> matched;
   for (uint32_t i = 0; i < uses.size(); ++i) {
+    if (uses[i].access == VESPER_SCRATCH) {
+      matched.push_back(MatchScratch(law, uses[i], prototype));
+      continue;
+    }
     matched.push_back({.property = FindProperty(law, uses[i], prototype), .use = &uses[i]});
     const uint32_t property = matched.back().property;
     if (property == kNone) continue;

@@ -39,13 +39,14 @@ class Prototype {
 
   /// Index of the property, or kNone.
   uint32_t Find(std::string_view name) const;
+  /// Index of the kind, or kNone.
+  uint32_t FindKind(std::string_view name) const;
   /// Index of the property; throws NOT_FOUND that suggests the nearest name.
   uint32_t Require(const char* name) const;
 
  private:
   void AddProperty(const vesper_property_descriptor& source);
   void ResolveReferences(const vesper_property_descriptor& source, PropertySpec& property);
-  uint32_t FindKind(std::string_view name) const;
 
   std::string name_;
   vesper_scalar_type real_type_;

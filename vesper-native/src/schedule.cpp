@@ -32,6 +32,7 @@ void Schedule::Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries) {
   for (auto* laws : {&force_, &integrate_, &constrain_, &observe_}) laws->clear();
   stage_count_ = 1;
   accumulations_.clear();
+  scratch_.clear();
   for (uint32_t property = 0; property < columns_.size(); ++property) {
     if (columns_.spec(property).IsAccumulator()) accumulations_.emplace_back(columns_, property);
   }
@@ -53,6 +54,7 @@ void Schedule::PlanLaw(const ScheduledLaw& scheduled) {
     case VESPER_PHASE_OBSERVE: observe_.push_back(scheduled); break;
   }
   for (MatchedUse& matched : scheduled.law->uses) {
+    if (matched.IsScratch()) scratch_.push_back(&matched.scratch);
     if (matched.property == kNone || matched.use->access != VESPER_ACCUMULATE) continue;
     FindAccumulation(matched.property).AddShare(*scheduled.law, scheduled.library, matched);
   }
@@ -103,6 +105,7 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
   target.kind = use.kind;
   target.components = use.components;
   target.access = use.access;
+  if (matched.IsScratch()) return ScratchTarget(matched, target);
   if (matched.property == kNone || !columns_[matched.property].bound) {
     if ((use.flags & VESPER_USE_OPTIONAL) != 0) return target;
     throw Failure(VESPER_NOT_FOUND, "%s: needs property %s, which is not bound; add it first",
@@ -118,6 +121,22 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
     target.data = matched.share.data();
   }
   return target;
+}
+
+/// The memory itself; `target` says already what it is.
+vesper_property Schedule::ScratchTarget(MatchedUse& matched, vesper_property target) const {
+  matched.scratch.Resize(columns_.row_count(matched.scratch_kind));
+  target.data = matched.scratch.data();
+  target.row_count = matched.scratch.row_count();
+  return target;
+}
+
+void Schedule::KeepScratch() {
+  for (ScratchColumn* scratch : scratch_) scratch->Keep();
+}
+
+void Schedule::RestoreScratch() {
+  for (ScratchColumn* scratch : scratch_) scratch->Restore();
 }
 
 void Schedule::RunStep(double dt, uint64_t step_index) {

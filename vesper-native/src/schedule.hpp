@@ -27,6 +27,9 @@ class Schedule {
   /// Hands the present columns to all laws whose arrays changed. Throws NOT_FOUND if one is
   /// missing, or what a law answers. Columns are fresh.
   void Bind();
+  /// Remembers what laws keep in SCRATCH, and takes it back.
+  void KeepScratch();
+  void RestoreScratch();
   /// Runs all laws once around. Throws what is wrong, with library, law and stage.
   void RunStep(double dt, uint64_t step_index);
 
@@ -34,12 +37,14 @@ class Schedule {
   void PlanLaw(const ScheduledLaw& scheduled);
   Accumulation& FindAccumulation(uint32_t property);
   void BindLaw(LoadedLaw& law);
+  vesper_property ScratchTarget(MatchedUse& matched, vesper_property target) const;
   vesper_property Target(const LoadedLaw& law, MatchedUse& matched);
   void Run(const std::vector<ScheduledLaw>& laws, const vesper_step& step);
   void SumShares(uint32_t stage);
 
   Columns& columns_;
   std::vector<ScheduledLaw> force_, integrate_, constrain_, observe_;
+  std::vector<ScratchColumn*> scratch_;
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
   Targets targets_;  // of the law being bound; kept for its memory

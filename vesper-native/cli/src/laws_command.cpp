@@ -29,6 +29,7 @@ const char* AccessName(vesper_access access) {
     case VESPER_WRITE: return "write";
     case VESPER_READ_WRITE: return "read-write";
     case VESPER_ACCUMULATE: return "accumulate";
+    case VESPER_SCRATCH: return "scratch";
   }
   return "other";
 }

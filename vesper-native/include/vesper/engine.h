@@ -215,6 +215,13 @@ VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt,
                                                vesper_error* error) VESPER_NOEXCEPT;
 VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
                                                    vesper_error* error) VESPER_NOEXCEPT;
+/** Says that the client moves row `from` of a kind to row `to` <= `from`, whose own item is gone, as
+ *  when the last row fills the gap of one that was removed: what laws keep in SCRATCH moves along,
+ *  and row `from` is as new. `from == to`: the item of that row is gone. Needed only where a row
+ *  stands for another item than before; rows added or cut off at the end the engine sees itself. */
+VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
+                                                uint64_t from, uint64_t to,
+                                                vesper_error* error) VESPER_NOEXCEPT;
 /** Steps done since create. */
 VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER_NOEXCEPT;
 

@@ -61,7 +61,9 @@ typedef struct vesper_step {
 
 /** A property that a law uses. Matched by name; kind, type, components and dimension must agree. If
  *  the unit of a real property differs in scale, the law sees a converted column of its own; what
- *  it writes is converted back, and values that it leaves alone keep their bits. */
+ *  it writes is converted back, and values that it leaves alone keep their bits.
+ *  SCRATCH is matched by kind alone and its name is the law's own: it belongs to this law, counts
+ *  or is undone with the steps of an advance, and is saved with the engine's state. */
 typedef struct vesper_property_use {
   uint32_t struct_size;
   vesper_scalar_type scalar_type;

@@ -206,6 +206,11 @@ using ReadWrite = Column<Row, VESPER_READ_WRITE, 0>;
 /** Add to it, in phase kForce. It starts at zero for each law; the engine sums over laws. */
 template <class Row>
 using Accumulate = Column<Row, VESPER_ACCUMULATE, 0>;
+/** Memory that the engine keeps for this law, one Row for each row of the kind, zero at first; read
+ *  and written in Advance only. It is undone with a step that failed, saved with the engine, and
+ *  follows its row when the client moves that. The name is the law's own. */
+template <class Row>
+using Scratch = Column<Row, VESPER_SCRATCH, 0>;
 template <class Row>
 using OptionalRead = Column<Row, VESPER_READ, VESPER_USE_OPTIONAL>;
 template <class Row>

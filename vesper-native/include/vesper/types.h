@@ -51,6 +51,9 @@ typedef uint32_t vesper_access;
 #define VESPER_WRITE 2u       /**< Every row is written before the law returns; not read. */
 #define VESPER_READ_WRITE 3u
 #define VESPER_ACCUMULATE 4u  /**< Added to; the engine zeroes it and sums over laws. FORCE only. */
+#define VESPER_SCRATCH 8u     /**< No property of the client: memory that the engine keeps for the law,
+                                   `components` values for each row of the kind, zero at first. The
+                                   law reads and writes it in `advance` only. */
 
 /** When a law runs within a step. Order of execution: phase, then order of loading. */
 typedef uint32_t vesper_phase;

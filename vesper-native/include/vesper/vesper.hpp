@@ -429,6 +429,11 @@ class PhysicsEngine {
     vesper_error error{};
     detail::Check(vesper_engine_clear_fault(engine_.get(), &error), error);
   }
+  /** Row `from` of the kind becomes row `to`, whose item is gone; see vesper_engine_move_row. */
+  void MoveRow(const std::string& kind, uint64_t from, uint64_t to) {
+    vesper_error error{};
+    detail::Check(vesper_engine_move_row(engine_.get(), kind.c_str(), from, to, &error), error);
+  }
   /** Steps done since creation. */
   uint64_t StepCount() const { return vesper_engine_step_count(engine_.get()); }
   /** Same state, same hash; see vesper_engine_state_hash. */

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <random>
 #include <span>
 #include <stdexcept>
@@ -30,7 +31,13 @@ const vesper_prototype& PrototypeOf(vesper_scalar_type real_type) {
   return StandardPrototype(real_type == VESPER_F64 ? "si-f64" : "si-f32");
 }
 
-/// Of the prototype, then of the properties that only the laws know: what they declare.
+/// Memory that an engine keeps for a law; where no engine is, a column stands for it.
+bool IsScratch(const vesper_property_descriptor& property) {
+  return property.law_access == VESPER_SCRATCH;
+}
+
+/// Of the prototype, then of the properties that only the laws know: what they declare. Scratch is
+/// last.
 std::vector<vesper_property_descriptor> DescriptorsFor(
     const vesper_prototype& prototype, const std::vector<const vesper_law_desc*>& laws) {
   std::vector<vesper_property_descriptor> all(prototype.properties,
@@ -47,6 +54,7 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
       }
     }
   }
+  std::ranges::stable_partition(all, std::not_fn(IsScratch));
   return all;
 }
 
@@ -56,7 +64,8 @@ World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_de
              uint64_t rows, uint32_t seed)
     : prototype_(PrototypeOf(real_type)), descriptors_(DescriptorsFor(prototype_, laws)) {
   prototype_.properties = descriptors_.data();
-  prototype_.property_count = static_cast<uint32_t>(descriptors_.size());
+  prototype_.property_count = static_cast<uint32_t>(
+      std::ranges::count_if(descriptors_, std::not_fn(IsScratch)));
   std::mt19937 random(seed);
   const auto draw = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
@@ -70,7 +79,8 @@ World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_de
 
 void World::Fill(AnyColumn& column, const std::function<double(double, double)>& draw) {
   const vesper_property_descriptor& property = column.descriptor();
-  if ((property.law_access & VESPER_ACCUMULATE) != 0) return;  // the engine fills it
+  // The engine fills sums, and scratch starts at zero.
+  if ((property.law_access & (VESPER_ACCUMULATE | VESPER_SCRATCH)) != 0) return;
   const double reach = property.name == std::string("position") ? 10 : 1;
   for (uint64_t row = 0; row < column.rows(); ++row) {
     // Neighbours, so that the rows that one refers to differ.
@@ -144,7 +154,9 @@ std::vector<vesper_property> World::PropertiesFor(const vesper_law_desc& law) {
 
 PhysicsEngine World::MakeEngine(const std::string& library, uint32_t threads, bool validate) {
   PhysicsEngine engine(prototype_, {.threads = threads, .validate = validate});
-  for (AnyColumn& column : columns_) column.AddTo(engine.PropertyProvider());
+  for (AnyColumn& column : columns_) {
+    if (!IsScratch(column.descriptor())) column.AddTo(engine.PropertyProvider());
+  }
   engine.LoadPhysicsLaw(library);
   return engine;
 }

@@ -1,0 +1,150 @@
+// What the engine keeps for laws, row by row.
+#include "test_kit.hpp"
+
+namespace vesper::test {
+namespace {
+
+class ScratchTest : public BothModes {};
+IN_BOTH_MODES(ScratchTest);
+
+/// Bodies and a law that shows what it remembers of row i: (sum of masses, 0, calls).
+struct Remembering {
+  Remembering(size_t count, const EngineOptions& options, double fail_at = -1)
+      : bodies(count), engine(options) {
+    EXPECT_OK(engine.Add("mass", bodies.mass, 1));
+    EXPECT_OK(engine.Add("acceleration", bodies.acceleration, 3));
+    library = engine.Load("remembering", {{"failAt", fail_at}});
+  }
+
+  /// The client now has bodies of these masses.
+  void Rebind(std::vector<double> mass) {
+    bodies.mass = std::move(mass);
+    bodies.acceleration.assign(3 * bodies.mass.size(), 99);
+    EXPECT_OK(engine.Rebind("mass", bodies.mass, 1));
+    EXPECT_OK(engine.Rebind("acceleration", bodies.acceleration, 3));
+  }
+  vesper_error MoveRow(const char* kind, uint64_t from, uint64_t to) {
+    return Try([&](vesper_error* error) {
+      return vesper_engine_move_row(engine.get(), kind, from, to, error);
+    });
+  }
+
+  Bodies bodies;
+  TestEngine engine;
+  vesper_library_id library = 0;
+};
+
+TEST_P(ScratchTest, StartsAtZeroAndLastsFromStepToStep) {
+  Remembering world(2, Options());
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{1, 0, 1, 2, 0, 1}));
+  EXPECT_OK(world.engine.Advance(1, 2));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{3, 0, 3, 6, 0, 3}));
+}
+
+TEST_P(ScratchTest, StartsAtZeroAgainWhenTheLawIsLoadedAgain) {
+  Remembering world(1, Options());
+  EXPECT_OK(world.engine.Advance(1, 5));
+  EXPECT_OK(world.engine.Unload(world.library));
+  world.engine.Load("remembering");
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{1, 0, 1}));
+}
+
+TEST_P(ScratchTest, LastsWhenArraysMoveAndOtherLawsComeAndGo) {
+  Remembering world(2, Options());
+  EXPECT_OK(world.engine.Advance(1, 1));
+  world.Rebind({10, 20});
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{11, 0, 2, 22, 0, 2}));
+}
+
+TEST_P(ScratchTest, NewRowsAreZeroAndLostRowsAreForgotten) {
+  Remembering world(2, Options());
+  EXPECT_OK(world.engine.Advance(1, 1));
+  world.Rebind({1, 2, 3});
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{2, 0, 2, 4, 0, 2, 3, 0, 1}));
+  world.Rebind({1});
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{3, 0, 3}));
+  world.Rebind({1, 2});
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{4, 0, 4, 2, 0, 1}));
+}
+
+TEST_P(ScratchTest, ComesBackWhenAStepFails) {
+  Remembering world(2, Options(), 3);
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_REFUSED(LAW_FAILED, "as told", world.engine.Advance(1, 3));
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_clear_fault(world.engine.get(), error);
+  }));
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{2, 0, 2, 4, 0, 2}));
+}
+
+TEST_P(ScratchTest, FollowsTheRowThatFillsAGap) {
+  Remembering world(3, Options());
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_OK(world.MoveRow("body", 2, 0));
+  world.Rebind({3, 2});
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{6, 0, 2, 4, 0, 2}));
+}
+
+TEST_P(ScratchTest, RowThatWasLeftIsAsNew) {
+  Remembering world(3, Options());
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_OK(world.MoveRow("body", 2, 0));  // and a new body takes row 2
+  EXPECT_OK(world.MoveRow("body", 1, 1));  // and another one row 1
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{4, 0, 2, 2, 0, 1, 3, 0, 1}));
+}
+
+TEST_P(ScratchTest, RowsAddedSinceTheLastStepAreNewWhereverTheyMove) {
+  Remembering world(2, Options());
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_OK(world.MoveRow("body", 2, 0));
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{1, 0, 1, 4, 0, 2}));
+}
+
+TEST_P(ScratchTest, MovingRowsOfAnotherKindChangesNothing) {
+  Remembering world(2, Options());
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_OK(world.MoveRow("spring", 1, 0));
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration, (std::vector<double>{2, 0, 2, 4, 0, 2}));
+}
+
+TEST_P(ScratchTest, MovesThatMakeNoSenseAreRefused) {
+  Remembering world(2, Options());
+  EXPECT_REFUSED(NOT_FOUND, "no kind 'ghost'", world.MoveRow("ghost", 1, 0));
+  EXPECT_REFUSED(INVALID_ARGUMENT, "row 0 of kind body cannot become row 1",
+                 world.MoveRow("body", 0, 1));
+  EXPECT_REFUSED(INVALID_ARGUMENT, "kind is null", world.MoveRow(nullptr, 1, 0));
+}
+
+TEST_P(ScratchTest, KindMustBeKnown) {
+  TestEngine engine(Options());
+  EXPECT_REFUSED(NOT_FOUND, "scratch sum: prototype si-f64 has no kind ghost",
+                 engine.TryLoad("remembering_ghosts"));
+}
+
+TEST_P(ScratchTest, CannotBeOptional) {
+  TestEngine engine(Options());
+  EXPECT_REFUSED(LIBRARY_LOAD_FAILED, "SCRATCH cannot be optional",
+                 engine.TryLoad("remembering_perhaps"));
+}
+
+TEST_P(ScratchTest, HoldsNoNaN) {
+  Remembering world(2, Options());
+  world.bodies.mass[1] = 1e308;
+  EXPECT_OK(world.engine.Advance(1, 1));
+  const vesper_error error = world.engine.Advance(1, 1);
+  EXPECT_REFUSED(LAW_MISBEHAVED, "row 1", error);
+}
+
+}  // namespace
+}  // namespace vesper::test
