@@ -1,5 +1,6 @@
 #include "thread_pool.hpp"
 
+#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/parallel_for.h>
 
 #include <algorithm>
@@ -12,13 +13,17 @@ namespace {
 
 constexpr uint64_t kMinGrain = 1024;
 constexpr uint64_t kMaxChunks = 256;
+constexpr size_t kMaxThreads = 256;  // of one process, at least what a config may ask for
 
 uint64_t ChooseGrain(uint64_t count) { return std::max(kMinGrain, count / kMaxChunks + 1); }
 
 }  // namespace
 
 ThreadPool::ThreadPool(uint32_t threads) {
-  if (threads > 1) arena_.emplace(static_cast<int>(threads));
+  if (threads == 1) return;
+  // TBB would quietly stop at the number of cores, or at what the first arena asked for.
+  static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, kMaxThreads);
+  arena_.emplace(static_cast<int>(threads));
 }
 
 void ThreadPool::ParallelFor(uint64_t count, uint64_t grain, RangeBody body, void* user) {

@@ -46,6 +46,17 @@ TEST_P(DeterminismTest, ValidateModeChangesNoBit) {
       << "seed " << kSeed;
 }
 
+TEST(ParallelForTest, EveryEngineHasTheThreadsItAskedForWhateverTheMachineHas) {
+  // Or 8 threads would mean 2 on a machine of 2 cores, in the test above too.
+  for (const uint32_t threads : {2u, 8u, 3u}) {
+    Bodies bodies(1);
+    TestEngine engine({.threads = threads});
+    engine.AddBodies(bodies);
+    engine.Load("rendezvous", {{"seats", static_cast<double>(threads)}});
+    EXPECT_OK(engine.Advance(0.1, 1));
+  }
+}
+
 TEST(ParallelForTest, GrainIsPartOfTheResult) {
   // Or the tests above would pass with a law that does not notice its chunks.
   EXPECT_NE(HashAfter("field", {}, 1), HashAfter("field_by_100", {}, 1)) << "seed " << kSeed;
