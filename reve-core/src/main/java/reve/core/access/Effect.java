@@ -9,6 +9,7 @@ import reve.core.world.Colour;
 import reve.core.world.Column;
 import reve.core.world.Item;
 import reve.core.world.ScalarType;
+import reve.core.world.SemanticAspect;
 import reve.core.world.WorldEvent;
 
 /**
@@ -96,9 +97,14 @@ public sealed interface Effect {
         }
 
         @Override
-        public Runnable prepare(ActionCall call) {
-            Object value = to.symbol(call);
-            return () -> call.target().semantic().set(symbol, value);
+        public Runnable prepare(ActionCall call) throws ActionRefused {
+            try {
+                Object value = SemanticAspect.requireSettable(call.target().name(), symbol,
+                        to.symbol(call));
+                return () -> call.target().semantic().set(symbol, value);
+            } catch (IllegalArgumentException notASymbol) {
+                throw new ActionRefused("not-a-symbol", notASymbol.getMessage());
+            }
         }
     }
 
@@ -115,7 +121,8 @@ public sealed interface Effect {
             fields.put("item", call.target().name());
             fields.put("action", action);
             call.actor().ifPresent(actor -> fields.put("actor", actor.name()));
-            return () -> call.world().raise(new WorldEvent(call.frame(), event, fields));
+            var raised = new WorldEvent(call.frame(), event, fields);
+            return () -> call.world().raise(raised);
         }
     }
 

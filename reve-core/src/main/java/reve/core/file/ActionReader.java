@@ -5,7 +5,6 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.Set;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -16,13 +15,15 @@ import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.SemanticAspect;
 import reve.core.world.WorldPrototype;
 
 /** Reads the actions of access aspects, and refuses those that could never work. */
 final class ActionReader {
     private static final List<String> EFFECTS = List.of("impulse", "set", "symbol", "raise");
-    private static final Set<String> OWN_EVENTS =
-            Set.of("joined", "left", "acted", "law-loaded", "law-unloaded", "fault");
+    /** What the server itself tells agents, and those who start it and read its output. */
+    private static final List<String> OWN_EVENTS = List.of("joined", "left", "acted",
+            "law-loaded", "law-unloaded", "fault", "ready", "snapshot", "snapshot-failed", "end");
     private static final String COLOUR = "physical.colour";
     private static final String PHYSICS = "physics.";
 
@@ -37,7 +38,7 @@ final class ActionReader {
     }
 
     /** Whose action is read. */
-    record Owner(String kind, boolean hasPhysics) {}
+    record Owner(String name, String kind, boolean hasPhysics) {}
 
     /** The action under its name; empty and problems noted if it is wrong. */
     Optional<DeclaredAction> read(Node node, Owner owner) {
@@ -106,7 +107,7 @@ final class ActionReader {
         return switch (what.key()) {
             case "impulse" -> impulse(what, parameters, owner);
             case "set" -> set(what, to.orElseThrow(), parameters, owner);
-            case "symbol" -> symbol(what, to.orElseThrow(), parameters);
+            case "symbol" -> symbol(what, to.orElseThrow(), parameters, owner);
             default -> raise(what, action);
         };
     }
@@ -158,7 +159,7 @@ final class ActionReader {
     }
 
     private Optional<Effect> symbol(Node what, Node to,
-            Map<String, Optional<Parameter>> parameters) {
+            Map<String, Optional<Parameter>> parameters, Owner owner) {
         Optional<String> name = what.text();
         if (name.isEmpty()) {
             return Optional.empty();
@@ -168,26 +169,37 @@ final class ActionReader {
                     + " is derived by the world and cannot be set");
             return Optional.empty();
         }
-        return symbolValue(to, parameters).map(value -> new Effect.SetSymbol(name.get(), value));
+        Optional<Operand> value = isParameter(to) ? symbolArgument(to, parameters)
+                : symbolConstant(to, name.get(), owner);
+        return value.map(operand -> new Effect.SetSymbol(name.get(), operand));
     }
 
-    private Optional<Operand> symbolValue(Node to, Map<String, Optional<Parameter>> parameters) {
-        if (isParameter(to)) {
-            return named(to, parameters).filter(parameter -> {
-                if (parameter.components() != 1) {
-                    problems.add(to, to.label() + ": a symbol takes one value, $"
-                            + parameter.name() + " has " + parameter.components());
-                }
-                return parameter.components() == 1;
-            }).map(Operand.Argument::new);
-        }
+    private Optional<Operand> symbolArgument(Node to,
+            Map<String, Optional<Parameter>> parameters) {
+        return named(to, parameters).filter(parameter -> {
+            if (parameter.components() != 1) {
+                problems.add(to, to.label() + ": a symbol takes one value, $"
+                        + parameter.name() + " has " + parameter.components());
+            }
+            return parameter.components() == 1;
+        }).map(Operand.Argument::new);
+    }
+
+    private Optional<Operand> symbolConstant(Node to, String symbol, Owner owner) {
         if (to.isList()) {
             problems.add(to, "to: found a list, a symbol takes a text, a number or a truth value");
             return Optional.empty();
         }
-        return to.scalar().map(value -> value instanceof Number number
-                ? new Operand.Numbers(new double[] {number.doubleValue()}, Unit.ONE)
-                : new Operand.Symbol(value));
+        try {
+            return to.scalar()
+                    .map(value -> SemanticAspect.requireSettable(owner.name, symbol, value))
+                    .map(value -> value instanceof Double number
+                            ? new Operand.Numbers(new double[] {number}, Unit.ONE)
+                            : new Operand.Symbol(value));
+        } catch (IllegalArgumentException refused) {
+            problems.add(to, refused.getMessage());
+            return Optional.empty();
+        }
     }
 
     private Optional<Operand> colour(Node to, Map<String, Optional<Parameter>> parameters) {
@@ -217,7 +229,9 @@ final class ActionReader {
         Optional<String> event = node.text();
         if (event.filter(OWN_EVENTS::contains).isPresent()) {
             problems.add(node, "raise: the event " + event.get()
-                    + " is the server's own; choose another name");
+                    + " is the server's own; choose a name other than "
+                    + String.join(", ", OWN_EVENTS.subList(0, OWN_EVENTS.size() - 1)) + " and "
+                    + OWN_EVENTS.getLast());
             return Optional.empty();
         }
         return event.map(name -> new Effect.Raise(name, action));

@@ -150,7 +150,7 @@ final class ItemReader {
         });
         node.get("semantic").ifPresent(aspect -> readSymbols(aspect, item));
         node.get("physics").ifPresent(aspect -> readPhysics(aspect, kind, item));
-        var owner = new ActionReader.Owner(kind, hasPhysics(node));
+        var owner = new ActionReader.Owner(item.name(), kind, hasPhysics(node));
         for (Node action : node.get("access").map(Node::children).orElse(List.of())) {
             actions.read(action, owner).ifPresent(item::action);
         }

@@ -139,6 +139,10 @@ public final class ItemDefinition {
             this.name = Names.require("item name", name);
         }
 
+        public String name() {
+            return name;
+        }
+
         public Builder kind(String newKind) {
             kind = newKind;
             return this;

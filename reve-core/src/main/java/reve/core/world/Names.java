@@ -9,6 +9,7 @@ final class Names {
     static final int MAX_LENGTH = 128;
 
     private static final Pattern IDENTIFIER = Pattern.compile("[A-Za-z][A-Za-z0-9_]{0,46}");
+    private static final Pattern WORLD_NAME = Pattern.compile("[A-Za-z0-9][A-Za-z0-9 ._-]*");
 
     private Names() {}
 
@@ -31,6 +32,17 @@ final class Names {
         if (!isUnicode(name)) {
             throw new IllegalArgumentException(
                     what + " \"" + escaped(name) + "\" is no Unicode: half of a surrogate pair");
+        }
+        return name;
+    }
+
+    /** A name that becomes part of file names, whatever the file system. */
+    static String requireWorldName(String name) {
+        require("world name", name);
+        if (!WORLD_NAME.matcher(name).matches()) {
+            throw new IllegalArgumentException("world name \"" + name + "\": expected a letter "
+                    + "(a to z) or digit, then letters, digits, spaces, ., _ or -: it becomes "
+                    + "part of file names");
         }
         return name;
     }

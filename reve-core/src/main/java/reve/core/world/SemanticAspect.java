@@ -19,6 +19,17 @@ public final class SemanticAspect {
     }
 
     /**
+     * Checks a symbol that is to be set later.
+     *
+     * @param item name of its item, for messages
+     * @return the value as {@link #set} keeps it: text, truth or a Double
+     * @throws IllegalArgumentException as {@link #set}
+     */
+    public static Object requireSettable(String item, String symbol, Object value) {
+        return Values.requireSymbol(item, symbol, value);
+    }
+
+    /**
      * Sets a symbol.
      *
      * @param value String, Boolean or a finite number
@@ -27,7 +38,7 @@ public final class SemanticAspect {
      */
     public void set(String symbol, Object value) {
         item.checkedRow();
-        Object checked = Values.requireSymbol(item.name(), symbol, value);
+        Object checked = requireSettable(item.name(), symbol, value);
         item.world().setSymbols(item, item.symbols().with(symbol, checked));
     }
 

@@ -48,11 +48,13 @@ public final class World {
      * An empty world but for the item {@code world}, whose physics aspect holds the world's
      * constants.
      *
+     * @param name of letters a to z, digits, spaces, {@code .}, {@code _} and {@code -}, beginning
+     *     with a letter or digit: it becomes part of file names
      * @param arena where column memory comes from; it must outlive the world, and the caller closes
      *     it
      */
     public World(String name, WorldPrototype prototype, ColumnArena arena) {
-        this.name = Names.require("world name", name);
+        this.name = Names.requireWorldName(name);
         this.prototype = prototype;
         this.arena = arena;
         tables = prototype.kinds().stream().map(kind -> new Table(this, kind)).toList();

@@ -140,6 +140,32 @@ class DeclaredActionTest {
     }
 
     @Test
+    void symbolThatCannotBeIsRefusedBeforeAnythingHappens() {
+        World world = world("si-f64");
+        var light = new Effect.SetSymbol("lit", new Operand.Symbol(true));
+
+        assertThat(refusal(world, "box", Map.of(), List.of(), light,
+                new Effect.SetSymbol("note", new Operand.Symbol("x".repeat(5000)))))
+                .isEqualTo("not-a-symbol");
+        assertThat(refusal(world, "box", Map.of(), List.of(), light,
+                new Effect.SetSymbol("name", new Operand.Symbol("ball"))))
+                .isEqualTo("not-a-symbol");
+        assertThat(world.find("box").orElseThrow().semantic().get("lit")).isEmpty();
+    }
+
+    @Test
+    void eventThatCannotBeIsRefusedBeforeAnythingHappens() {
+        World world = world("si-f64");
+
+        assertThatThrownBy(() -> perform(world, "box", List.of(), Map.of(),
+                new Effect.SetSymbol("lit", new Operand.Symbol(true)),
+                new Effect.Raise("two\nlines", "test")))
+                .isInstanceOf(IllegalArgumentException.class).hasMessageContaining("event type");
+        assertThat(world.find("box").orElseThrow().semantic().get("lit")).isEmpty();
+        assertThat(world.events()).isEmpty();
+    }
+
+    @Test
     void raisedEventNamesFrameItemActionAndActor() throws ActionRefused {
         World world = world("si-f64");
 

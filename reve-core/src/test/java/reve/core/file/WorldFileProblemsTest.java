@@ -8,6 +8,7 @@ import java.util.List;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import org.junit.jupiter.params.provider.ValueSource;
 
 /** What wrong world files are told, and where. */
 class WorldFileProblemsTest {
@@ -113,7 +114,6 @@ class WorldFileProblemsTest {
             access: {push: {effects: [{}]}}             ! 29 ! effects[0]: an effect is exactly one of `impulse`, `set`, `symbol`, `raise`, found 0
             access: {push: {effects: [{set: physical.colour}]}} ! 35 ! `set` needs `to`, the new value
             access: {push: {effects: [{raise: x, to: 3}]}}  ! 44 ! `to` does not go with `raise`
-            access: {push: {effects: [{raise: fault}]}} ! 37 ! raise: the event fault is the server's own; choose another name
             access: {push: {effects: [{impulse: [1, 2, 3]}]}} ! 30 ! the item has no `physics`, so this action could never work
             access: {push: {effects: [{set: physics.mas, to: 1}]}} ! 35 ! unknown physics property `mas` of kind body; did you mean `mass`?
             access: {push: {effects: [{set: color, to: x}]}} ! 35 ! set: found text `color`, expected physics.PROPERTY or physical.colour
@@ -186,6 +186,43 @@ class WorldFileProblemsTest {
     void refusesDuplicateNamesWithTheFirstOnesLine() {
         assertThat(problems("reve: 1\nname: w\nitems:\n- name: a\n- name: b\n- name: a\n"))
                 .containsExactly("w:6:9: duplicate item name `a`, first on line 4");
+    }
+
+    @Test
+    void refusesSymbolsThatAnActionCouldNeverSet() {
+        assertThat(problems("""
+                reve: 1
+                name: w
+                items:
+                - name: one
+                  access:
+                    write: {effects: [{symbol: note, to: "%s"}]}
+                    split: {effects: [{symbol: note, to: "\\uD800"}]}
+                """.formatted("x".repeat(5000)))).containsExactly(
+                "w:6:42: item one: note has 5000 characters, at most 4096 are allowed",
+                "w:7:42: item one: note is no Unicode: it holds half of a surrogate pair");
+    }
+
+    /** What the server and the tools that read its events say themselves. */
+    @ParameterizedTest
+    @ValueSource(strings = {"joined", "left", "acted", "law-loaded", "law-unloaded", "fault",
+        "ready", "snapshot", "snapshot-failed", "end"})
+    void refusesToRaiseAnEventOfTheServers(String event) {
+        assertThat(problems("reve: 1\nname: w\nitems:\n- name: one\n  access: {push: {effects: "
+                + "[{raise: " + event + "}]}}")).containsExactly("w:5:37: raise: the event "
+                        + event + " is the server's own; choose a name other than joined, left, "
+                        + "acted, law-loaded, law-unloaded, fault, ready, snapshot, "
+                        + "snapshot-failed and end");
+    }
+
+    /** It becomes part of file names. */
+    @ParameterizedTest
+    @ValueSource(strings = {"../up", "a/b", "..", ".hidden", "-x", " x", "é", "a:b", "a*"})
+    void refusesAWorldNameThatCannotBePartOfAFileName(String name) {
+        assertThat(problems("reve: 1\nname: \"" + name + "\"\n")).containsExactly(
+                "w:2:7: name: found text `" + name + "`, expected a letter (a to z) or digit, then "
+                        + "letters, digits, spaces, `.`, `_` or `-`: it becomes part of file "
+                        + "names");
     }
 
     @Test

@@ -59,11 +59,12 @@ class WorldFileTest {
     void jsonIsValidToo() throws WorldFileException {
         WorldDescription world = parse("""
                 {
-                \t"reve": 1, "name": "json \\u00e9\\/", "frame": {"rate": 50, "steps": 2},
+                \t"reve": 1, "name": "json", "doc": "\\u00e9\\/", "frame": {"rate": 50, "steps": 2},
                 \t"items": [{"name": "a", "physics": {"mass": 2, "velocity": [1, 2.5e0, -3]}}]
                 }""");
 
-        assertThat(world.name()).isEqualTo("json é/");
+        assertThat(world.name()).isEqualTo("json");
+        assertThat(world.doc()).isEqualTo("é/");
         assertThat(world.timing()).isEqualTo(new Timing(50, 2));
         assertThat(world.items().getFirst().physics("velocity").orElseThrow())
                 .containsExactly(1, 2.5, -3);
@@ -294,10 +295,10 @@ class WorldFileTest {
 
     @Test
     void loadReadsAFileAndNamesItInProblems(@TempDir Path folder) throws Exception {
-        Path good = Files.writeString(folder.resolve("good.yaml"), "\uFEFFreve: 1\nname: é\n");
+        Path good = Files.writeString(folder.resolve("good.yaml"), "\uFEFFreve: 1\nname: w\ndoc: é\n");
         Path bad = Files.writeString(folder.resolve("bad.yaml"), "reve: 2\nname: x\n");
 
-        assertThat(WorldFile.load(good).name()).isEqualTo("é");
+        assertThat(WorldFile.load(good).doc()).isEqualTo("é");
         assertThatThrownBy(() -> WorldFile.load(bad)).isInstanceOf(WorldFileException.class)
                 .hasMessage(bad + ":1:7: reve: found number 2, expected 1, the format version "
                         + "that is read here");

@@ -258,6 +258,19 @@ class WorldStructureTest {
     }
 
     @Test
+    void aWorldHasANameThatCanBePartOfAFileName() {
+        WorldPrototype prototype = WorldPrototype.standard("si-f64");
+        for (String name : List.of("w", "2 Balls_v1.0-b", "x".repeat(128))) {
+            assertThat(new World(name, prototype, arena).name()).isEqualTo(name);
+        }
+        for (String name : List.of("", "..", "a/b", "../a", " a", "é", "a\n", "x".repeat(129))) {
+            assertThatIllegalArgumentException().as(name)
+                    .isThrownBy(() -> new World(name, prototype, arena))
+                    .withMessageContaining("world name");
+        }
+    }
+
+    @Test
     void anArenaThatIsFullLeavesTheWorldAsItWas() {
         var limited = new CountingArena();
         World small = new World("small", WorldPrototype.standard("si-f64"), limited);
