@@ -97,7 +97,7 @@ final class Publisher {
         while (!stopped) {
             try {
                 publish();
-            } catch (RuntimeException e) {
+            } catch (Throwable e) { // nobody else would tell agents anything, or know why
                 log.error("telling agents about frame " + published + " failed", e);
             }
             LockSupport.park(this);

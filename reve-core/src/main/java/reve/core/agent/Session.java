@@ -182,13 +182,18 @@ final class Session {
             end(e);
         } catch (IOException e) {
             end(Ending.regular("lost", "the connection broke"));
-        } catch (RuntimeException e) {
-            server.log().error("serving a connection failed", e);
-            end(Ending.regular("failed", "the server has an error; its log says more"));
+        } catch (Throwable e) {
+            fail(e);
         } finally {
             letGo();
             server.forget(this);
         }
+    }
+
+    /** An error in the server, even of the virtual machine: the agent must not stay behind in the world. */
+    private void fail(Throwable error) {
+        server.log().error("serving a connection failed", error);
+        end(Ending.regular("failed", "the server has an error; its log says more"));
     }
 
     private void take(ByteBuffer line, LineReader lines) throws Ending {
@@ -286,6 +291,9 @@ final class Session {
             closeSocket();
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
+        } catch (Throwable e) {
+            fail(e);
+            closeSocket();
         } finally {
             writing = false;
         }
