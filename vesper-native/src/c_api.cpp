@@ -1,5 +1,8 @@
 // engine.h, function by function: checks pointers, guards the border, calls the engine.
+#include <cinttypes>
+#include <cstring>
 #include <memory>
+#include <vector>
 
 #include "engine.hpp"
 #include "failure.hpp"
@@ -185,6 +188,35 @@ vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind, ui
                                      uint64_t to, vesper_error* error) noexcept {
   return Guarded(error, [&] {
     Required(engine, "engine").MoveRow(&Required(kind, "kind"), from, to);
+  });
+}
+
+vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,
+                                       vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    uint64_t& size = Required(out, "out");
+    size = Required(engine, "engine").SaveState().size();
+  });
+}
+
+vesper_status vesper_engine_save_state(vesper_engine* engine, void* out, uint64_t size,
+                                       vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    const std::vector<std::byte> state = Required(engine, "engine").SaveState();
+    if (size != state.size()) {
+      throw Failure(VESPER_INVALID_ARGUMENT,
+                    "size is %" PRIu64 ", but the state takes %zu bytes; ask state_size again",
+                    size, state.size());
+    }
+    std::memcpy(&Required(static_cast<std::byte*>(out), "out"), state.data(), state.size());
+  });
+}
+
+vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state, uint64_t size,
+                                       vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    const auto* bytes = &Required(static_cast<const std::byte*>(state), "state");
+    Required(engine, "engine").LoadState({bytes, size});
   });
 }
 

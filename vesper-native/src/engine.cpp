@@ -329,3 +329,33 @@ uint64_t vesper_engine::StateHash() {
   RefreshColumns();
   return vesper::HashState(step_count_, columns_);
 }
+
+/// What there is to save, under names that say all that must agree.
+vesper::EngineState vesper_engine::State() const {
+  vesper::EngineState state{step_count_, prototype_.name(), {}};
+  for (const auto& library : libraries_) {
+    for (const auto& law : library->laws()) {
+      const vesper_law_desc& desc = law->law.desc();
+      const std::string prefix = library->name() + "/" + desc.name + " " + desc.version + "/";
+      for (vesper::MatchedUse& matched : law->uses) {
+        if (!matched.IsScratch()) continue;
+        const vesper_property_use& use = *matched.use;
+        const std::string type = vesper::DescribeType(use.scalar_type, use.components);
+        state.scratch.push_back(
+            {prefix + use.name + ": " + type + " per " + use.kind, &matched.scratch});
+      }
+    }
+  }
+  return state;
+}
+
+std::vector<std::byte> vesper_engine::SaveState() {
+  const Turn turn(*this);
+  return vesper::SaveState(State());
+}
+
+void vesper_engine::LoadState(std::span<const std::byte> saved) {
+  const Turn turn(*this);
+  step_count_ = vesper::LoadState(saved, State());
+  schedule_.Forget();
+}

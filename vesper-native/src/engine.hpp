@@ -3,6 +3,7 @@
 
 #include <atomic>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "columns.hpp"
@@ -10,6 +11,7 @@
 #include "custom_provider.hpp"
 #include "law_library.hpp"
 #include "prototype.hpp"
+#include "saved_state.hpp"
 #include "schedule.hpp"
 #include "thread_pool.hpp"
 
@@ -46,6 +48,8 @@ struct vesper_engine {
   void ClearFault();
   void MoveRow(const char* kind, uint64_t from, uint64_t to);
   uint64_t StateHash();
+  std::vector<std::byte> SaveState();
+  void LoadState(std::span<const std::byte> saved);
 
  private:
   class Turn;
@@ -54,6 +58,7 @@ struct vesper_engine {
       vesper_library_id id) const;
   void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
   void CheckConflicts(const vesper::LawLibrary& added) const;
+  vesper::EngineState State() const;
   void RefreshColumns();
   uint32_t RequireRegistered(const char* name) const;
   void CheckArraysFit(uint32_t property, const vesper::Arrays& arrays) const;

@@ -22,6 +22,7 @@ class ScratchColumn {
   void Restore();
 
   std::byte* data() const { return values_.data(); }
+  size_t row_size() const { return row_size_; }
   uint64_t row_count() const { return row_count_; }
   size_t byte_size() const { return row_count_ * row_size_; }
 

@@ -222,6 +222,20 @@ VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
 VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
                                                 uint64_t from, uint64_t to,
                                                 vesper_error* error) VESPER_NOEXCEPT;
+/** What lives in the engine and in no array of the client: the step count, and what laws keep in
+ *  SCRATCH. Together with the arrays it continues a run to the bit, in this process or another of
+ *  this machine's kind. `out`: bytes that save writes at present. */
+VESPER_API vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,
+                                                  vesper_error* error) VESPER_NOEXCEPT;
+/** Writes the state to `out` (size bytes, as state_size said): versioned, with a checksum. */
+VESPER_API vesper_status vesper_engine_save_state(vesper_engine* engine, void* out, uint64_t size,
+                                                  vesper_error* error) VESPER_NOEXCEPT;
+/** Takes over a saved state; the arrays that belong to it the client restores. INVALID_ARGUMENT if
+ *  it is damaged, ACCESS_CONFLICT if it is that of another prototype, or of other laws or versions
+ *  than those loaded, which are named; then nothing is changed. A fault stays: clear it too. */
+VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
+                                                  uint64_t size,
+                                                  vesper_error* error) VESPER_NOEXCEPT;
 /** Steps done since create. */
 VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER_NOEXCEPT;
 

@@ -434,6 +434,20 @@ class PhysicsEngine {
     vesper_error error{};
     detail::Check(vesper_engine_move_row(engine_.get(), kind.c_str(), from, to, &error), error);
   }
+  /** Step count and scratch of laws, to continue from; see vesper_engine_save_state. */
+  std::vector<std::byte> SaveState() {
+    uint64_t size = 0;
+    vesper_error error{};
+    detail::Check(vesper_engine_state_size(engine_.get(), &size, &error), error);
+    std::vector<std::byte> state(size);
+    detail::Check(vesper_engine_save_state(engine_.get(), state.data(), size, &error), error);
+    return state;
+  }
+  void LoadState(const std::vector<std::byte>& state) {
+    vesper_error error{};
+    detail::Check(vesper_engine_load_state(engine_.get(), state.data(), state.size(), &error),
+                  error);
+  }
   /** Steps done since creation. */
   uint64_t StepCount() const { return vesper_engine_step_count(engine_.get()); }
   /** Same state, same hash; see vesper_engine_state_hash. */

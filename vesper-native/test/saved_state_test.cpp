@@ -1,0 +1,138 @@
+// Saving what lives in the engine, and going on from it.
+#include <algorithm>
+#include <cstring>
+#include <string>
+
+#include "test_kit.hpp"
+
+namespace vesper::test {
+namespace {
+
+using Bytes = std::vector<char>;
+
+Bytes Save(const TestEngine& engine) {
+  uint64_t size = 0;
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_state_size(engine.get(), &size, error);
+  }));
+  Bytes state(size);
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_save_state(engine.get(), state.data(), size, error);
+  }));
+  return state;
+}
+
+vesper_error Load(const TestEngine& engine, const Bytes& state) {
+  return Try([&](vesper_error* error) {
+    return vesper_engine_load_state(engine.get(), state.data(), state.size(), error);
+  });
+}
+
+/// A world whose law remembers, `steps` steps old.
+struct Remembering {
+  Remembering(const EngineOptions& options, uint32_t steps, size_t count = 3)
+      : bodies(count), engine(options) {
+    engine.AddBodies(bodies);
+    engine.Load("remembering");
+    if (steps > 0) EXPECT_OK(engine.Advance(1, steps));
+  }
+
+  Bodies bodies;
+  TestEngine engine;
+};
+
+class SavedStateTest : public BothModes {};
+IN_BOTH_MODES(SavedStateTest);
+
+TEST_P(SavedStateTest, AnotherEngineGoesOnFromIt) {
+  Remembering first(Options(), 5), second(Options(), 0);
+  EXPECT_OK(Load(second.engine, Save(first.engine)));
+  EXPECT_EQ(vesper_engine_step_count(second.engine.get()), 5u);
+  EXPECT_OK(first.engine.Advance(1, 2));
+  EXPECT_OK(second.engine.Advance(1, 2));
+  EXPECT_EQ(second.bodies.acceleration, first.bodies.acceleration);
+  EXPECT_EQ(second.bodies.acceleration[2], 7);
+  EXPECT_EQ(Save(second.engine), Save(first.engine));
+}
+
+TEST_P(SavedStateTest, TurnsAnEngineBack) {
+  Remembering world(Options(), 2);
+  const Bytes state = Save(world.engine);
+  EXPECT_OK(world.engine.Advance(1, 4));
+  EXPECT_OK(Load(world.engine, state));
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration[2], 3);
+  EXPECT_EQ(vesper_engine_step_count(world.engine.get()), 3u);
+}
+
+TEST_P(SavedStateTest, BringsItsRowsAlong) {
+  Remembering few(Options(), 4, 2), many(Options(), 1, 5);
+  EXPECT_OK(Load(many.engine, Save(few.engine)));
+  EXPECT_OK(many.engine.Advance(1, 1));
+  EXPECT_EQ(many.bodies.acceleration[3 * 1 + 2], 5);
+  EXPECT_EQ(many.bodies.acceleration[3 * 2 + 2], 1);
+}
+
+TEST_P(SavedStateTest, OfOtherLawsIsRefusedByName) {
+  Remembering with(Options(), 1);
+  Bodies bodies(3);
+  TestEngine without(Options());
+  without.AddBodies(bodies);
+  const Bytes state = Save(with.engine), empty = Save(without);
+  EXPECT_REFUSED(ACCESS_CONFLICT, "holds remembering/remembering 1.0.0/sum: f64 x 1 per body",
+                 Load(without, state));
+  EXPECT_REFUSED(ACCESS_CONFLICT, "lacks remembering/remembering 1.0.0/sum: f64 x 1 per body",
+                 Load(with.engine, empty));
+  EXPECT_OK(with.engine.Advance(1, 1));
+  EXPECT_EQ(with.bodies.acceleration[2], 2);
+}
+
+TEST_P(SavedStateTest, OfAnotherPrototypeIsRefusedByName) {
+  EngineOptions options = Options();
+  TestEngine wide(options);
+  options.prototype = "si-f32";
+  TestEngine narrow(options);
+  EXPECT_REFUSED(ACCESS_CONFLICT, "prototype is si-f32, expected si-f64",
+                 Load(wide, Save(narrow)));
+}
+
+TEST_P(SavedStateTest, DamagedInAnyByteIsRefusedAndChangesNothing) {
+  Remembering world(Options(), 2, 1);
+  const Bytes state = Save(world.engine);
+  EXPECT_OK(world.engine.Advance(1, 1));
+  for (size_t i = 0; i < state.size(); ++i) {
+    Bytes damaged = state;
+    damaged[i] = static_cast<char>(damaged[i] ^ 0x10);
+    ASSERT_STREQ(vesper_status_name(Load(world.engine, damaged).status), "INVALID_ARGUMENT") << i;
+  }
+  EXPECT_EQ(vesper_engine_step_count(world.engine.get()), 3u);
+  EXPECT_OK(world.engine.Advance(1, 1));
+  EXPECT_EQ(world.bodies.acceleration[2], 4);
+}
+
+TEST_P(SavedStateTest, CutAnywhereIsRefused) {
+  Remembering world(Options(), 2, 1);
+  const Bytes state = Save(world.engine);
+  for (size_t size = 0; size < state.size(); ++size) {
+    const Bytes cut(state.begin(), state.begin() + static_cast<std::ptrdiff_t>(size));
+    ASSERT_STREQ(vesper_status_name(Load(world.engine, cut).status), "INVALID_ARGUMENT") << size;
+  }
+}
+
+TEST_P(SavedStateTest, OfAnotherVersionIsRefusedByNumber) {
+  Remembering world(Options(), 1);
+  Bytes state = Save(world.engine);
+  state[8] = 7;
+  EXPECT_REFUSED(INVALID_ARGUMENT, "version is 7, expected 1", Load(world.engine, state));
+}
+
+TEST_P(SavedStateTest, RoomMustBeAsLargeAsSaid) {
+  Remembering world(Options(), 1);
+  Bytes room(10);
+  EXPECT_REFUSED(INVALID_ARGUMENT, "size is 10", Try([&](vesper_error* error) {
+    return vesper_engine_save_state(world.engine.get(), room.data(), room.size(), error);
+  }));
+}
+
+}  // namespace
+}  // namespace vesper::test
