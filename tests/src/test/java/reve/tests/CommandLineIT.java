@@ -162,7 +162,7 @@ class CommandLineIT {
                 """);
         Outcome outcome = Reve.run("check", world.toString());
         assertThat(outcome.code()).isEqualTo(4);
-        assertThat(outcome.err()).contains("newton_motoin");
+        assertThat(outcome.err()).startsWith(world + ":3:8: ").contains("newton_motoin");
     }
 
     @Test

@@ -9,8 +9,9 @@ import java.util.Map;
  *
  * @param name as the engine looks it up: {@code hooke_spring}
  * @param parameters values [coherent SI units] by parameter name, in the order of the file
+ * @param place where it is asked for, as {@code file:line:column}, for messages
  */
-public record LawReference(String name, Map<String, Double> parameters) {
+public record LawReference(String name, Map<String, Double> parameters, String place) {
     public LawReference {
         parameters = Collections.unmodifiableMap(new LinkedHashMap<>(parameters));
     }

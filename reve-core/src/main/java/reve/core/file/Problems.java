@@ -18,6 +18,11 @@ final class Problems {
         this.file = file;
     }
 
+    /** Where a node's value begins, as {@code file:line:column}. */
+    String place(Node node) {
+        return file + ":" + node.line() + ":" + node.column();
+    }
+
     /** Notes a problem with the value of a node; of a single value, the first one says enough. */
     void add(Node node, String message) {
         boolean single = !node.isMapping() && !node.isList();

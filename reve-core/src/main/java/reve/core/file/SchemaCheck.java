@@ -9,6 +9,7 @@ import com.networknt.schema.path.NodePath;
 import java.io.IOException;
 import java.io.InputStream;
 import java.io.UncheckedIOException;
+import java.math.BigDecimal;
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.Collection;
@@ -186,10 +187,17 @@ final class SchemaCheck {
         return switch (node.scalar().orElse(null)) {
             case null -> json.nullNode();
             case Long number -> json.numberNode(number);
+            case Double number when isWholeBeyondLong(number) ->
+                json.numberNode(new BigDecimal(number).toBigInteger());
             case Double number -> json.numberNode(number);
             case Boolean truth -> json.booleanNode(truth);
             case Object text -> json.stringNode((String) text);
         };
+    }
+
+    /** The library compares whole numbers as 64-bit ones unless told that they are larger. */
+    private static boolean isWholeBeyondLong(double number) {
+        return Double.isFinite(number) && Math.abs(number) >= 0x1p63;
     }
 
     private static String resource() {

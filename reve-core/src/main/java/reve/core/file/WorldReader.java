@@ -68,7 +68,8 @@ final class WorldReader {
                     problems.add(nameNode.get(), "duplicate law `" + Node.shorten(name)
                             + "`, first on line " + first.line());
                 }
-                laws.add(new LawReference(name, parameters(node)));
+                laws.add(new LawReference(name, parameters(node),
+                        problems.place(nameNode.get())));
             });
         }
         return laws;

@@ -131,9 +131,9 @@ class WorldFileTest {
                   - name: drag
                     parameters: {density: 1.2 g/l, wind: 36 km/h, factor: 3, turn: 180 deg}
                 """).laws()).containsExactly(
-                new LawReference("newton_motion", Map.of()),
+                new LawReference("newton_motion", Map.of(), "world.yaml:4:5"),
                 new LawReference("drag", Map.of("density", 1.2, "wind", 10.0, "factor", 3.0,
-                        "turn", Math.PI)));
+                        "turn", Math.PI), "world.yaml:5:11"));
     }
 
     @Test

@@ -68,9 +68,9 @@ public final class CheckCommand implements Callable<Integer> {
             }
             return ExitCode.OK;
         } catch (PhysicsException refused) {
-            problems.add(Map.of("file", world.file().toString(), "message", refused.getMessage()));
+            problems.add(Map.of("message", refused.getMessage()));
             if (!json) {
-                err.println(world.file() + ": " + refused.getMessage());
+                err.println(refused.getMessage());
             }
             return ExitCode.PHYSICS;
         }

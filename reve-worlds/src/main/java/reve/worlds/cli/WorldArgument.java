@@ -28,6 +28,8 @@ final class WorldArgument {
             throw new NoSuchFileException("there is no world file " + file
                     + "; name a file, or a folder that holds a world.yaml");
         }
-        return WorldFile.load(file);
+        try (Patience _ = new Patience(System.err, "reading " + file)) {
+            return WorldFile.load(file);
+        }
     }
 }

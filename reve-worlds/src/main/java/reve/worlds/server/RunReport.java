@@ -83,7 +83,9 @@ public record RunReport(String world, long frames, double worldSeconds, double w
                     law.calls(), law.nanoseconds() * 1e-6);
         }
         for (WorldEvent fault : faults) {
-            out.printf(Locale.ROOT, "fault in frame %d: %s%n", fault.frame(), fault.fields().get("message"));
+            Object file = fault.fields().getOrDefault("file", "");
+            out.printf(Locale.ROOT, "fault in frame %d: %s%s%n", fault.frame(), file.equals("") ? "" : file + ": ",
+                    fault.fields().get("message"));
         }
         out.printf(Locale.ROOT, "state hash: %s%n", hash());
     }

@@ -16,6 +16,7 @@ import reve.core.frame.Pacing;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
 import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
@@ -48,7 +49,7 @@ public final class Simulation implements AutoCloseable {
     /**
      * Builds the world and loads its laws.
      *
-     * @throws reve.pe.PhysicsException if a law does not load or does not fit the world
+     * @throws PhysicsException naming the place in the world file, if a law does not load or fit
      */
     public Simulation(WorldDescription description, Pacing pacing) {
         this.description = description;
@@ -90,6 +91,8 @@ public final class Simulation implements AutoCloseable {
     private void load(LawReference law) {
         try (PreparedLibrary prepared = engine.prepare(law.name())) {
             physics.laws().load(0, prepared, law.parameters());
+        } catch (PhysicsException refused) {
+            throw new PhysicsException(refused.status(), law.place() + ": " + refused.getMessage());
         }
     }
 

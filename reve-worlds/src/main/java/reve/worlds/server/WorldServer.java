@@ -9,6 +9,7 @@ import org.jspecify.annotations.Nullable;
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
 import reve.core.agent.WorldPort;
+import reve.core.file.AgentPolicy;
 import reve.core.file.WorldDescription;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.Pacing;
@@ -69,6 +70,10 @@ public final class WorldServer implements AutoCloseable {
         fields.put("world", simulation.description().name());
         fields.put("agents", "127.0.0.1:" + port());
         fields.put("agentPort", port());
+        AgentPolicy policy = simulation.description().agents();
+        if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
+            fields.put("note", "the world file grants agents no body, so none can join");
+        }
         lawsFolder.ifPresent(folder -> fields.put("laws", folder.toString()));
         fields.put("pid", ProcessHandle.current().pid());
         events.happened("ready", fields);
