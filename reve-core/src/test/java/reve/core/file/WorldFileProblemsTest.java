@@ -32,6 +32,8 @@ class WorldFileProblemsTest {
             frame: {rate: 60.5}                   ! 15 ! rate: found number 60.5, expected a whole number
             frame: {rate: 0}                      ! 15 ! rate: found number 0, expected at least 1
             frame: {steps: 10001}                 ! 16 ! steps: found number 10001, expected at most 10000
+            frame: {rate: 99999999999999999999}   ! 15 ! rate: found number 1.0E20, expected at most 10000
+            frame: {steps: -5e23}                 ! 16 ! steps: found number -5.0E23, expected at least 1
             frame: 60                             ! 8  ! frame: found number 60, expected a mapping
             frame:                                ! 7  ! frame: found nothing, expected a mapping
             doc: 3                                ! 6  ! doc: found number 3, expected a text; put it in quotes
