@@ -198,7 +198,7 @@ public final class World {
      */
     public List<WorldEvent> events() {
         checkOwner();
-        return published != null ? published : List.copyOf(events);
+        return published != null ? published : copyOfEvents();
     }
 
     /** Makes the calling thread the owner; the former owner must have stopped using the world. */
@@ -234,7 +234,7 @@ public final class World {
     /** Begins PUBLISH: what is raised from now on belongs to the next frame. */
     public void fixEvents() {
         checkOwner();
-        published = List.copyOf(events);
+        published = copyOfEvents();
         events.clear();
     }
 
@@ -246,6 +246,11 @@ public final class World {
         }
         published = null;
         lockedBy = null;
+    }
+
+    /** Allocates only if there are events. */
+    private List<WorldEvent> copyOfEvents() {
+        return events.isEmpty() ? List.of() : List.copyOf(events);
     }
 
     void checkOwner() {
