@@ -15,7 +15,8 @@ import reve.pe.PreparedLibrary;
 
 /**
  * The laws of a world: what is loaded, and what is quarantined. Each change is told as a
- * {@code law-loaded}, {@code law-unloaded} or {@code fault} event. World's thread only.
+ * {@code law-loaded}, {@code law-unloaded} or {@code fault} event; the last two carry the calls and
+ * milliseconds (wall clock, for people) of all laws of the library. World's thread only.
  */
 public final class Laws {
     private final World world;
@@ -77,9 +78,10 @@ public final class Laws {
             throw new IllegalArgumentException("law library " + libraryId
                 + " is not loaded; loaded are " + loaded.keySet());
         }
+        Map<String, Object> fields = fields(library.library, library.sha256);
+        addCost(fields, libraryId);
         drop(libraryId);
-        world.raise(new WorldEvent(frame, "law-unloaded",
-            fields(library.library, library.sha256)));
+        world.raise(new WorldEvent(frame, "law-unloaded", fields));
     }
 
     /** False once the library was unloaded or quarantined. */
@@ -118,10 +120,11 @@ public final class Laws {
         if (library == null) {
             throw failure;
         }
+        Map<String, Object> fields = fields(library.library, library.sha256);
+        addCost(fields, failure.libraryId());
         drop(failure.libraryId());
         quarantined.put(library.sha256, new Quarantined(library.sha256, library.library, frame,
             failure.status(), String.valueOf(failure.getMessage())));
-        Map<String, Object> fields = fields(library.library, library.sha256);
         fields.put("law", failure.law());
         fields.put("property", failure.property());
         failure.row().ifPresent(row -> fields.put("row", row));
@@ -140,6 +143,20 @@ public final class Laws {
         engine.unloadPhysicsLaw(libraryId);
         loaded.remove(libraryId);
         version++;
+    }
+
+    /** Adds what a library's laws did while they were loaded: the last chance to tell it. */
+    private void addCost(Map<String, Object> fields, int libraryId) {
+        long calls = 0;
+        long nanoseconds = 0;
+        for (PhysicsLaw law : engine.laws()) {
+            if (law.libraryId() == libraryId) {
+                calls += law.calls();
+                nanoseconds += law.nanoseconds();
+            }
+        }
+        fields.put("calls", calls);
+        fields.put("milliseconds", nanoseconds / 1e6);
     }
 
     private static Map<String, Object> fields(String library, String sha256) {

@@ -200,10 +200,14 @@ class PhysicsAdapterNativeTest {
                 assertThat(event.fields()).containsEntry("library", "hooke_spring")
                     .containsEntry("laws", "hooke_spring").containsKey("sha256"));
             int wind = orbit.adapter.laws().load(1, "wind", Map.of("force", 3.0));
-            orbit.adapter.laws().unload(1, wind);
             orbit.run(1);
-            assertThat(orbit.events("law-unloaded")).singleElement().satisfies(event ->
-                assertThat(event.fields()).containsEntry("library", "wind"));
+            orbit.adapter.laws().unload(2, wind);
+            orbit.run(1);
+            assertThat(orbit.events("law-unloaded")).singleElement().satisfies(event -> {
+                assertThat(event.fields()).containsEntry("library", "wind")
+                    .containsEntry("calls", 4L);
+                assertThat((double) event.fields().get("milliseconds")).isPositive();
+            });
             assertThat(orbit.adapter.laws().loaded()).extracting(PhysicsLaw::library)
                 .containsExactly(SpringOrbit.LAWS);
             assertThat(orbit.adapter.laws().isLoaded(wind)).isFalse();
