@@ -126,12 +126,12 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         }
     }
 
-    /** What laws write, and the accumulators they touch: these the engine itself sets. */
+    /** What laws write, and all accumulators: these the engine itself sets. */
     private Set<String> writtenProperties() {
-        Set<String> written = new HashSet<>();
+        Set<String> written = new HashSet<>(accumulators);
         for (PhysicsLaw law : laws.loaded()) {
             for (PropertyUse use : law.uses()) {
-                if (use.access().contains(Access.WRITE) || accumulators.contains(use.name())) {
+                if (use.access().contains(Access.WRITE)) {
                     written.add(use.name());
                 }
             }

@@ -7,6 +7,7 @@ import java.util.Map;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+import reve.core.world.Item;
 import reve.core.world.OffHeapArena;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
@@ -45,7 +46,8 @@ class RollbackNativeTest {
             assertThat(fault.fields()).containsEntry("library", "writes_nan")
                 .containsEntry("law", "writes_nan").containsEntry("property", "velocity")
                 .containsEntry("row", 1L).containsEntry("item", "blue")
-                .containsEntry("status", "LAW_MISBEHAVED");
+                .containsEntry("status", "LAW_MISBEHAVED").containsKey("milliseconds");
+            assertThat((long) fault.fields().get("calls")).isGreaterThanOrEqualTo(BAD_STEP);
             assertThat(fault.fields().get("message")).asString().contains("velocity", "nan");
         }
     }
@@ -112,6 +114,23 @@ class RollbackNativeTest {
             assertThat(still.bytes()).isEqualTo(before);
             assertThat(still.adapter.laws().loaded()).isEmpty();
             assertThat(still.engine.stepCount()).isEqualTo(8);
+        }
+    }
+
+    @Test
+    void accumulatorsThatNoLawUsesArePutBackToo() {
+        FailingEngine[] bug = new FailingEngine[1];
+        try (AdapterFixture still = new AdapterFixture(WorldPrototype.standard("si-f64"),
+            AdapterFixture.springOrbitItems(), new OffHeapArena(), true,
+            engine -> bug[0] = new FailingEngine(engine))) {
+            Item red = still.world.find("red").orElseThrow();
+            red.physics().set("torque", 1, 2, 3);
+            bug[0].broken = true;
+            still.run(1);
+            assertThat(red.physics().vector("torque")).containsExactly(1, 2, 3);
+            bug[0].broken = false;
+            still.run(1);
+            assertThat(red.physics().vector("torque")).containsOnly(0);
         }
     }
 
