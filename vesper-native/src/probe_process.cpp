@@ -123,6 +123,7 @@ class Probe {
       if (size < 0 && errno == EINTR) continue;
       if (size != sizeof report) return;
       last_ = report;
+      Sanitize(last_.error);  // the library could write to the pipe as well
     }
   }
 

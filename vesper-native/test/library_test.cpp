@@ -166,6 +166,13 @@ TEST(LibraryTest, BombsGoOffInTheProbe) {
                  Prepare("bomb_9"));
 }
 
+TEST(LibraryTest, ReportThatTheLibraryForgesInTheProbeIsNotTrustedToEnd) {
+  const vesper_error error = Prepare("bomb_10");
+  EXPECT_EQ(error.status, VESPER_LIBRARY_LOAD_FAILED);
+  EXPECT_EQ(error.message[sizeof error.message - 1], '\0');
+  EXPECT_EQ(error.property[sizeof error.property - 1], '\0');
+}
+
 TEST(LibraryTest, LibraryThatHangsIsKilledAtTheDeadline) {
   EXPECT_REFUSED(LIBRARY_LOAD_FAILED, "took more than 300 ms in the probe while loading",
                  Prepare("bomb_3", {.probe_timeout_ms = 300}));

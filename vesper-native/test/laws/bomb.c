@@ -13,6 +13,7 @@
 #define OTHER_ABI 7
 #define GARBAGE_NAME 8
 #define ABORT_IN_DESTRUCTOR 9
+#define FORGED_REPORT 10
 
 #if BOMB == CRASH_IN_CONSTRUCTOR
 __attribute__((constructor)) static void GoOff(void) { raise(SIGSEGV); }
@@ -24,6 +25,17 @@ __attribute__((constructor)) static void GoOff(void) {
 }
 #elif BOMB == ABORT_IN_DESTRUCTOR
 __attribute__((destructor)) static void GoOff(void) { abort(); }
+#elif BOMB == FORGED_REPORT
+/* As vesper-probe would report a refusal, but with strings that have no end. */
+__attribute__((constructor)) static void GoOff(void) {
+  struct {
+    int32_t stage;
+    vesper_error error;
+  } report = {.stage = 0, .error = {.status = VESPER_LIBRARY_LOAD_FAILED}};
+  memset(report.error.property, 'x', sizeof report.error.property);
+  memset(report.error.message, 'x', sizeof report.error.message);
+  _exit(write(4, &report, sizeof report) == sizeof report ? 0 : 1);
+}
 #endif
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
