@@ -1,12 +1,13 @@
 package reve.pe;
 
+import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
 
 /**
  * Holds named property arrays that belong to the client and applies laws to them, each an
  * independently compiled library. Thread-compatible: one call at a time, from any thread
- * ({@link #prepare} excepted). Every method throws {@link PhysicsException} for what the engine
+ * ({@code prepare} excepted). Every method throws {@link PhysicsException} for what the engine
  * refuses and {@link IllegalStateException} once it is closed.
  */
 public interface PhysicsEngine extends AutoCloseable {
@@ -23,6 +24,9 @@ public interface PhysicsEngine extends AutoCloseable {
      * @param library a bare name, searched in the law path, or a path with a '/', used as is
      */
     PreparedLibrary prepare(String library);
+
+    /** Opens and checks the law library in a file, like {@link #prepare(String)}. */
+    PreparedLibrary prepare(Path file);
 
     /**
      * Activates a prepared library, between frames. Takes it on success only.

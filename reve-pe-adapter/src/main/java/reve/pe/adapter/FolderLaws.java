@@ -75,6 +75,9 @@ final class FolderLaws implements AutoCloseable {
             drop(library);
             drop(spare);
             refuse(frame, name, refusal);
+            for (Throwable followed : refusal.getSuppressed()) {
+                refuse(frame, name, (PhysicsException) followed);
+            }
         }
     }
 
@@ -116,10 +119,20 @@ final class FolderLaws implements AutoCloseable {
         try {
             return laws.load(frame, library, Map.of());
         } catch (PhysicsException refusal) {
-            int back = laws.load(frame, old.spare, Map.of());
-            untrack(old.spare);
-            byName.put(name, new ActiveFile(back, old.sha256, null));
+            goBack(frame, name, old.sha256, old.spare, refusal);
             throw refusal;
+        }
+    }
+
+    /** A failure to do so is told behind the refusal that led here. */
+    private void goBack(long frame, String name, String sha256, PreparedLibrary spare,
+                        PhysicsException refusal) {
+        try {
+            int back = laws.load(frame, spare, Map.of());
+            untrack(spare);
+            byName.put(name, new ActiveFile(back, sha256, null));
+        } catch (PhysicsException e) {
+            refusal.addSuppressed(e);
         }
     }
 

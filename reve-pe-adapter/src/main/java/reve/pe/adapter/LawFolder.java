@@ -33,8 +33,8 @@ import reve.pe.Status;
  * cannot be loaded is told only if it stays the same for some looks more: it may still be arriving.
  */
 public final class LawFolder implements AutoCloseable {
-    /** Origin of this folder's commands. */
-    public static final String ORIGIN = "laws-folder";
+    /** Origin of this folder's commands; with its space, no agent can be called that. */
+    public static final String ORIGIN = "laws folder";
     /** Most libraries of one folder that are active at a time. */
     public static final int MAX_LIBRARIES = 64;
     /** Time between two looks of the folder's own thread. */
@@ -208,17 +208,20 @@ public final class LawFolder implements AutoCloseable {
             } catch (PhysicsException e) {
                 file.refuse(e,
                     e.status() == Status.LIBRARY_LOAD_FAILED ? LOOKS_UNTIL_TOLD : 0);
+            } catch (RuntimeException e) {
+                file.refuse(new PhysicsException(Status.LIBRARY_LOAD_FAILED,
+                    path + " cannot be loaded: " + e), 0);
             }
         }
     }
 
     /** Prepares it twice: the second is what to go back to if a successor is refused. */
     private void prepareAndOffer(String name, Path path, WatchedFile file) {
-        PreparedLibrary library = active.track(engine.prepare(path.toString()));
+        PreparedLibrary library = active.track(engine.prepare(path));
         PreparedLibrary spare;
         try {
-            spare = active.track(engine.prepare(path.toString()));
-        } catch (PhysicsException e) {
+            spare = active.track(engine.prepare(path));
+        } catch (RuntimeException e) {
             active.drop(library);
             throw e;
         }

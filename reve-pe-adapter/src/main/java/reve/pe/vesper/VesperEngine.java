@@ -31,7 +31,7 @@ import reve.pe.vesper.VesperErrors.LibraryNames;
 /**
  * The Vesper engine. It works in place on the arrays that its provider is lent, and
  * {@link #advance} is one native call. Close prepared libraries, and let other threads end their
- * {@link #prepare}, before closing the engine.
+ * {@code prepare}, before closing the engine.
  */
 public final class VesperEngine implements PhysicsEngine {
     private final Arena arena = Arena.ofShared();
@@ -110,10 +110,14 @@ public final class VesperEngine implements PhysicsEngine {
 
     @Override
     public PreparedLibrary prepare(String library) {
+        return prepare(LibraryFile.find(library, lawPath));
+    }
+
+    @Override
+    public PreparedLibrary prepare(Path file) {
         checkOpen();
-        Path file = LibraryFile.find(library, lawPath);
         try {
-            return prepare(file);
+            return prepareUnchanged(file.toAbsolutePath());
         } catch (IOException e) {
             throw new PhysicsException(Status.LIBRARY_LOAD_FAILED,
                 file + " cannot be read: " + e.getMessage());
@@ -216,7 +220,7 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     /** The stamps tell whether the bytes that were hashed are those that C copied. */
-    private PreparedLibrary prepare(Path file) throws IOException {
+    private PreparedLibrary prepareUnchanged(Path file) throws IOException {
         LibraryFile.Stamp before = LibraryFile.stamp(file);
         MemorySegment prepared = prepareCopy(file);
         try {

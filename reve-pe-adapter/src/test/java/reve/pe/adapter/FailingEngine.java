@@ -1,5 +1,6 @@
 package reve.pe.adapter;
 
+import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
 import reve.pe.PhysicalPropertyProvider;
@@ -10,10 +11,15 @@ import reve.pe.PreparedLibrary;
 import reve.pe.Prototype;
 import reve.pe.Status;
 
-/** An engine with a bug: while it is broken, it advances and then fails, blaming no law. */
+/**
+ * An engine with bugs: while it is broken, it advances and then fails, blaming no law; it cannot
+ * prepare files called odd.so; and it can be told to refuse libraries.
+ */
 final class FailingEngine implements PhysicsEngine {
     private final PhysicsEngine engine;
     boolean broken;
+    /** How many libraries will be refused next, each with its number. */
+    int refusals;
 
     FailingEngine(PhysicsEngine engine) {
         this.engine = engine;
@@ -43,7 +49,18 @@ final class FailingEngine implements PhysicsEngine {
     }
 
     @Override
+    public PreparedLibrary prepare(Path file) {
+        if (file.endsWith("odd.so")) {
+            throw new IllegalStateException("odd name");
+        }
+        return engine.prepare(file);
+    }
+
+    @Override
     public int loadPhysicsLaw(PreparedLibrary prepared, Map<String, Double> parameters) {
+        if (refusals > 0) {
+            throw new PhysicsException(Status.INTERNAL, "refusals left: " + --refusals);
+        }
         return engine.loadPhysicsLaw(prepared, parameters);
     }
 

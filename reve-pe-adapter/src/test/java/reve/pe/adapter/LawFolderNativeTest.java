@@ -18,7 +18,9 @@ import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+import reve.core.world.OffHeapArena;
 import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
 import reve.pe.NativeFiles;
 import reve.pe.PhysicsLaw;
 
@@ -28,7 +30,9 @@ class LawFolderNativeTest {
 
     @TempDir
     private Path folder;
-    private final AdapterFixture world = new AdapterFixture();
+    private final AdapterFixture world = new AdapterFixture(WorldPrototype.standard("si-f64"),
+        List.of(), new OffHeapArena(), true, real -> engine = new FailingEngine(real));
+    private FailingEngine engine;
     private LawFolder laws;
 
     @BeforeEach
@@ -111,7 +115,7 @@ class LawFolderNativeTest {
         assertThat(loaded()).containsExactly("newton_motion", "wind");
         assertThat(speed()).isCloseTo(4 * GAIN, offset(1e-15));
         assertThat(world.events("fault")).singleElement().satisfies(fault ->
-            assertThat(fault.fields()).containsEntry("source", "laws-folder")
+            assertThat(fault.fields()).containsEntry("source", "laws folder")
                 .containsEntry("file", "wind.so").containsEntry("status", "ACCESS_CONFLICT"));
         drop("strong_wind", "wind.so");
         lookAndRun(3);
@@ -123,6 +127,37 @@ class LawFolderNativeTest {
         double before = speed();
         lookAndRun(2);
         assertThat(speed() - before).isCloseTo(2 * GAIN, offset(1e-15));
+    }
+
+    @Test
+    void aLawIsGoneOnlyIfBothItsReplacementAndItselfAreRefused() throws IOException {
+        drop("wind", "wind.so");
+        lookAndRun(2);
+        engine.refusals = 2;
+        drop("strong_wind", "wind.so");
+        lookAndRun(3);
+        assertThat(world.events("fault")).extracting(fault -> fault.fields().get("message"))
+            .containsExactly("refusals left: 1", "refusals left: 0");
+        assertThat(loaded()).containsExactly("newton_motion");
+        drop("wind", "wind.so");
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+    }
+
+    @Test
+    void aFileThatTheEngineStumblesOverHarmsNoOther() throws IOException {
+        drop("wind", "odd.so");
+        drop("wind", "wind.so");
+        lookAndRun(3);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(world.events("fault")).singleElement().satisfies(fault ->
+            assertThat(fault.fields()).containsEntry("file", "odd.so")
+                .containsEntry("status", "LIBRARY_LOAD_FAILED"));
+    }
+
+    @Test
+    void theFoldersCommandsHaveAnOriginThatNoAgentCanHave() {
+        assertThat(LawFolder.ORIGIN).doesNotMatch("[A-Za-z0-9_.-]*");
     }
 
     @Test
@@ -144,7 +179,7 @@ class LawFolderNativeTest {
         Files.setLastModifiedTime(file, FileTime.fromMillis(1));
         lookAndRun(20);
         assertThat(world.events("fault")).singleElement().satisfies(fault ->
-            assertThat(fault.fields()).containsEntry("source", "laws-folder")
+            assertThat(fault.fields()).containsEntry("source", "laws folder")
                 .containsEntry("file", "garbage.so")
                 .containsEntry("status", "LIBRARY_LOAD_FAILED"));
         assertThat(loaded()).containsExactly("newton_motion");
