@@ -1,0 +1,81 @@
+#include "oscillator.hpp"
+
+namespace vesper {
+namespace {
+
+template <class Real>
+class VelocityVerletTest : public ::testing::Test {};
+TYPED_TEST_SUITE(VelocityVerletTest, Precisions);
+
+constexpr auto kLaw = "velocity_verlet";
+
+// The first step of a body adds a term of third order, so the order is approached linearly in dt.
+TEST(VelocityVerletOrderTest, ErrorFallsWithTheSquareOfTheStep) {
+  EXPECT_NEAR(OrderOfConvergence(kLaw, 400), 2, 0.03);
+  EXPECT_NEAR(OrderOfConvergence(kLaw, 1600), 2, 0.0075);
+}
+
+// The energy of the scheme swings by about (omega dt)^2 / 4, 6.25e-4 here; its mean stays.
+TEST(VelocityVerletOrderTest, EnergySwingsButDoesNotDrift) {
+  const double early = LargestEnergyError(kLaw, 0.01, 1000);
+  const double late = LargestEnergyError(kLaw, 0.01, 20000);
+  EXPECT_LT(early, 1.2e-3);
+  EXPECT_LT(late, early * 1.01);
+  EXPECT_GT(LargestEnergyError("newton_motion", 0.01, 1000), 10 * early);
+}
+
+// x(n) = x + n v dt + n^2 a dt^2 / 2: the scheme is exact, the first step included.
+TYPED_TEST(VelocityVerletTest, ConstantForceGivesTheParabola) {
+  Scene<TypeParam> scene;
+  scene.AddBody(2, {1, 2, 3}, {3, -1, 0});
+  scene.applied_force = {-8, 4, 1};
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw(kLaw);
+  engine.Advance(0.01, 500);
+  EXPECT_NEAR(scene.position[0], 1 + 3 * 5 - 4 * 25 / 2.0, Rounding<TypeParam>(500 * 60));
+  EXPECT_NEAR(scene.position[1], 2 - 1 * 5 + 2 * 25 / 2.0, Rounding<TypeParam>(500 * 30));
+  EXPECT_NEAR(scene.velocity[2], 0.5 * 5, Rounding<TypeParam>(500 * 3));
+}
+
+TYPED_TEST(VelocityVerletTest, MassZeroNeverMoves) {
+  Scene<TypeParam> scene;
+  scene.AddBody(0, {1, 2, 3}, {4, 5, 6});
+  scene.applied_force = {1e6, -1e6, 1e6};
+  const auto position = scene.position, velocity = scene.velocity;
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw(kLaw);
+  engine.Advance(0.1, 100);
+  EXPECT_EQ(scene.position, position);
+  EXPECT_EQ(scene.velocity, velocity);
+}
+
+TYPED_TEST(VelocityVerletTest, BodyThatWasImmovableStartsWithoutAKick) {
+  Scene<TypeParam> scene;
+  scene.AddBody(2, {0, 0, 0});
+  scene.applied_force = {8, 0, 0};
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw(kLaw);
+  engine.Advance(0.5);
+  scene.mass[0] = 0;
+  engine.Advance(0.5);
+  scene.mass[0] = 2;
+  scene.velocity[0] = scene.position[0] = scene.applied_force[0] = 0;
+  engine.Advance(0.5);
+  EXPECT_EQ(scene.velocity[0], 0);
+}
+
+TYPED_TEST(VelocityVerletTest, SameBitsForAnyNumberOfThreads) {
+  const uint32_t seed = 7;
+  auto one = RandomNetwork<TypeParam>(20000, seed), eight = one;
+  PhysicsEngine engine_one = one.MakeEngine(1), engine_eight = eight.MakeEngine(8);
+  for (PhysicsEngine* engine : {&engine_one, &engine_eight}) {
+    engine->LoadPhysicsLaw("hooke_spring");
+    engine->LoadPhysicsLaw(kLaw);
+    engine->Advance(0.01, 3);
+  }
+  EXPECT_EQ(one.position, eight.position);
+  EXPECT_EQ(one.velocity, eight.velocity);
+}
+
+}  // namespace
+}  // namespace vesper
