@@ -1,5 +1,6 @@
 #include "generators.hpp"
 
+#include <array>
 #include <cmath>
 #include <random>
 

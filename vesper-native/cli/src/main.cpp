@@ -5,6 +5,7 @@
 #include "exit_code.hpp"
 #include "folders.hpp"
 #include "laws_command.hpp"
+#include "new_law_command.hpp"
 #include "run_command.hpp"
 #include "test_command.hpp"
 #include "vesper/vesper.hpp"
@@ -59,6 +60,16 @@ void AddTest(CLI::App& app, int& code) {
   command->callback([options, &code] { code = TestLaws(*options); });
 }
 
+void AddNewLaw(CLI::App& app, int& code) {
+  auto* command =
+      app.add_subcommand("new-law", "Writes a folder with a law that builds and passes its tests.");
+  auto options = std::make_shared<NewLawOptions>();
+  command->add_option("NAME", options->name, "Name of the law, in snake_case")->required();
+  command->add_option("--dir", options->folder, "Where the folder NAME is made")
+      ->capture_default_str();
+  command->callback([options, &code] { code = WriteNewLaw(*options); });
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -70,6 +81,7 @@ int main(int argc, char** argv) {
   AddRun(app, code);
   AddLaws(app, code);
   AddTest(app, code);
+  AddNewLaw(app, code);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

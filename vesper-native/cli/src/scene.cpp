@@ -1,5 +1,6 @@
 #include "scene.hpp"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -14,7 +15,6 @@ namespace {
 
 constexpr uintmax_t kLargestFile = 64 << 20;
 constexpr double kLargestColumn = 1e9;  // values
-constexpr uint64_t kLargestPicture = 8192;  // [px] a side
 
 using Names = std::vector<std::string>;
 
@@ -41,7 +41,7 @@ class SceneParser {
     const char* name;
     void (SceneParser::*read)();
   };
-  static const std::array<Statement, 10> kStatements;
+  static const std::array<Statement, 7> kStatements;
 
   void ReadHeader() {
     if (!reader_.NextLine() || !reader_.Accept("scene") ||
@@ -203,89 +203,16 @@ class SceneParser {
     }
   }
 
-  // --- pictures ---
-
-  Point ReadPoint(const std::string& what) {
-    const Value value = reader_.ReadValue(what);
-    if (value.size() != 3) reader_.FailLast("expected " + what + " as (x y z)");
-    return {value[0], value[1], value[2]};
-  }
-
-  void ReadImage() {
-    for (uint32_t* side : {&scene_.width, &scene_.height}) {
-      const uint64_t pixels = reader_.Count("a side of the picture in pixels", 1);
-      if (pixels > kLargestPicture) reader_.FailLast("expected at most 8192 pixels a side");
-      *side = static_cast<uint32_t>(pixels);
-    }
-  }
-
-  void ReadCamera() {
-    Camera& camera = scene_.camera;
-    while (!reader_.AtEnd()) {
-      const std::string part = reader_.Word("a part of the camera");
-      if (part == "eye") camera.eye = ReadPoint("the eye");
-      else if (part == "target") camera.target = ReadPoint("the target");
-      else if (part == "up") camera.up = ReadPoint("the direction up");
-      else if (part == "fov") camera.field_of_view = reader_.Number("the field of view in degrees");
-      else reader_.FailUnknown("part of the camera", {"eye", "target", "up", "fov"});
-    }
-    if (camera.eye == camera.target) reader_.FailLast("the eye is where the target is");
-    if (camera.field_of_view < 1 || camera.field_of_view > 170) {
-      reader_.FailLast("expected a field of view from 1 to 170 degrees");
-    }
-    scene_.has_camera = true;
-  }
-
-  Rgb ReadColour() {
-    const std::string text = reader_.Word("a colour such as #c0392b");
-    Rgb colour{};
-    const bool is_hex = text.find_first_not_of("0123456789abcdefABCDEF", 1) == std::string::npos;
-    if (text.size() != 7 || text[0] != '#' || !is_hex) {
-      reader_.FailLast("expected a colour such as #c0392b");
-    }
-    for (size_t i = 0; i < 3; ++i) {
-      colour[i] = static_cast<uint8_t>(std::stoul(text.substr(1 + 2 * i, 2), nullptr, 16));
-    }
-    return colour;
-  }
-
-  /// show KIND [ROW…] [colour C] [radius R] [width W]
-  void ReadShow() {
-    Look look;
-    look.kind = reader_.Word("a kind");
-    if (!scene_.rows.contains(look.kind)) {
-      Names kinds;
-      for (const auto& [kind, rows] : scene_.rows) kinds.push_back(kind);
-      reader_.FailUnknown("kind of this scene so far", kinds);
-    }
-    look.rows = ReadRowNumbers(scene_.rows[look.kind], look.kind);
-    while (!reader_.AtEnd()) {
-      const std::string part = reader_.Word("a part of the look");
-      if (part == "colour") look.colour = ReadColour();
-      else if (part == "radius") look.radius = ReadSize("the radius in metres");
-      else if (part == "width") look.width = ReadSize("the width in pixels");
-      else reader_.FailUnknown("part of the look", {"colour", "radius", "width"});
-    }
-    scene_.looks.push_back(std::move(look));
-  }
-
-  double ReadSize(const std::string& what) {
-    const double size = reader_.Number(what);
-    if (size <= 0) reader_.FailLast("expected " + what + ", above 0");
-    return size;
-  }
-
   SceneReader reader_;
   Scene scene_;
   std::string kind_;  // of the rows that are being described
 };
 
-const std::array<SceneParser::Statement, 10> SceneParser::kStatements{{
+const std::array<SceneParser::Statement, 7> SceneParser::kStatements{{
     {"prototype", &SceneParser::ReadPrototype}, {"dt", &SceneParser::ReadDt},
     {"steps", &SceneParser::ReadSteps},         {"law", &SceneParser::ReadLaw},
     {"rows", &SceneParser::ReadRows},           {"at", &SceneParser::ReadAt},
-    {"csv", &SceneParser::ReadCsv},             {"image", &SceneParser::ReadImage},
-    {"camera", &SceneParser::ReadCamera},       {"show", &SceneParser::ReadShow},
+    {"csv", &SceneParser::ReadCsv},
 }};
 
 }  // namespace

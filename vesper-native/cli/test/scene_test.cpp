@@ -176,16 +176,6 @@ const Wrong kWrong[] = {
     {"at 1: length 1", "7: 'length' is a property of spring, not of body; it belongs below 'rows "
                        "spring …'"},
     {"csv positoin", "5: 'positoin' is no property; did you mean 'position'?"},
-    {"image 640 9999", "11: expected at most 8192 pixels a side"},
-    {"camera eye (1 2)", "16: expected the eye as (x y z)"},
-    {"camera eye (0 0 0)", "18: the eye is where the target is"},
-    {"camera fov 0.5", "12: expected a field of view from 1 to 170 degrees"},
-    {"camera fow 45", "8: 'fow' is no part of the camera; did you mean 'fov'?"},
-    {"show bodi", "6: 'bodi' is no kind of this scene so far; did you mean 'body'?"},
-    {"show surface", "6: 'surface' is no kind of this scene so far; there are body, spring, world"},
-    {"show body 7", "11: body has 3 rows; they count from 0"},
-    {"show body colour red", "18: expected a colour such as #c0392b"},
-    {"show body radius 0", "18: expected the radius in metres, above 0"},
 };
 INSTANTIATE_TEST_SUITE_P(Lines, SceneLineErrorTest, ::testing::ValuesIn(kWrong));
 

@@ -19,7 +19,7 @@ struct Check {
   const char* name;     // "same-bits"
   const char* promise;  // one line
   bool per_precision;
-  /// Returns a note for the report, perhaps empty. Throws CheckFailed, CheckSkipped, or whatever
+  /// Returns a note for the report, perhaps empty. Throws what it found wrong, or whatever
   /// the engine throws, which fails the check too.
   std::string (*run)(const Subject&);
 };

@@ -1,0 +1,79 @@
+#include "new_law_command.hpp"
+
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <regex>
+
+#include "exit_code.hpp"
+#include "law_templates.hpp"
+
+namespace vesper::cli {
+namespace {
+
+/// uniform_drag -> UniformDrag
+std::string ClassName(const std::string& name) {
+  std::string result;
+  bool begins_word = true;
+  for (const char c : name) {
+    if (c == '_') {
+      begins_word = true;
+    } else {
+      result += begins_word ? static_cast<char>(std::toupper(static_cast<unsigned char>(c))) : c;
+      begins_word = false;
+    }
+  }
+  return result;
+}
+
+std::string Replace(std::string text, const std::string& from, const std::string& to) {
+  for (size_t at = 0; (at = text.find(from, at)) != std::string::npos; at += to.size()) {
+    text.replace(at, from.size(), to);
+  }
+  return text;
+}
+
+bool Write(const std::filesystem::path& path, const char* text, const std::string& name) {
+  std::ofstream file(path, std::ios::binary);
+  file << Replace(Replace(text, "@NAME@", name), "@CLASS@", ClassName(name));
+  file.close();
+  return static_cast<bool>(file);
+}
+
+int Fail(int code, const std::string& message) {
+  std::cerr << "vesper: " << message << "\n";
+  return code;
+}
+
+}  // namespace
+
+int WriteNewLaw(const NewLawOptions& options) {
+  if (!std::regex_match(options.name, std::regex("[a-z][a-z0-9]*(_[a-z0-9]+)*")) ||
+      options.name.size() > 47) {
+    return Fail(kWrongUsage, "'" + options.name +
+                                 "' is no name for a law; expected snake_case such as uniform_drag, "
+                                 "at most 47 letters");
+  }
+  const auto folder = std::filesystem::path(options.folder) / options.name;
+  std::error_code error;
+  if (!std::filesystem::create_directories(folder, error)) {
+    return Fail(kFailed, folder.string() + ": " +
+                             (error ? error.message() : "is there already; nothing was written"));
+  }
+  for (const auto& [file, text] : {std::pair{options.name + ".cpp", kLawSource},
+                                   std::pair{options.name + "_test.cpp", kLawTest},
+                                   std::pair{std::string("CMakeLists.txt"), kLawCMake},
+                                   std::pair{std::string("README.md"), kLawReadme}}) {
+    if (!Write(folder / file, text, options.name)) {
+      return Fail(kFailed, (folder / file).string() + ": cannot be written");
+    }
+  }
+  std::cout << folder.string() << ": written; build and test it with\n"
+            << "  cmake -S " << folder.string() << " -B " << (folder / "build").string()
+            << " && cmake --build " << (folder / "build").string() << "\n"
+            << "  ctest --test-dir " << (folder / "build").string() << "\n";
+  return kDone;
+}
+
+}  // namespace vesper::cli
