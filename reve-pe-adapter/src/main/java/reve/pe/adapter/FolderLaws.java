@@ -4,7 +4,9 @@ import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.Map;
+import java.util.Queue;
 import java.util.Set;
+import java.util.concurrent.ConcurrentLinkedQueue;
 import org.jspecify.annotations.Nullable;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
@@ -22,14 +24,23 @@ final class FolderLaws implements AutoCloseable {
     private final Map<String, ActiveFile> byName = new HashMap<>();
     /** Everything prepared, so that what no engine took is dropped at the end. */
     private final Set<PreparedLibrary> tracked = new HashSet<>();
+    private final Queue<SpareWanted> wanted = new ConcurrentLinkedQueue<>();
 
     /** A change to the folder's laws, made in ACT of a frame. */
     interface Change {
         void make(long frame);
     }
 
-    /** @param spare the same library once more: what to go back to if a successor is refused */
-    private record ActiveFile(int libraryId, String sha256, @Nullable PreparedLibrary spare) {
+    /**
+     * @param spare the same library once more: what to go back to if a successor is refused; null
+     *     once it was used, until the folder has made another from the bytes
+     */
+    private record ActiveFile(int libraryId, String sha256, @Nullable PreparedLibrary spare,
+                              byte[] bytes) {
+    }
+
+    /** An active file whose spare was used. */
+    record SpareWanted(String name, byte[] bytes) {
     }
 
     /** A change on its way through the command queue. */
@@ -54,8 +65,28 @@ final class FolderLaws implements AutoCloseable {
         return prepared;
     }
 
+    /** Takes one of the spares that are wanted, if any. */
+    @Nullable SpareWanted nextWanted() {
+        return wanted.poll();
+    }
+
+    void want(SpareWanted spare) {
+        wanted.add(spare);
+    }
+
+    /** Keeps a spare that was wanted, if its file is still active without one. */
+    void giveSpare(String name, PreparedLibrary spare) {
+        ActiveFile file = byName.get(name);
+        if (file != null && file.spare == null && file.sha256.equals(spare.sha256())) {
+            byName.put(name, new ActiveFile(file.libraryId, file.sha256, spare, file.bytes));
+        } else {
+            drop(spare);
+        }
+    }
+
     /** Activates a file's library in place of what the file held before. */
-    void put(long frame, String name, PreparedLibrary library, PreparedLibrary spare) {
+    void put(long frame, String name, PreparedLibrary library, PreparedLibrary spare,
+             byte[] bytes) {
         ActiveFile old = byName.get(name);
         boolean replaces = old != null && laws.isLoaded(old.libraryId);
         if (replaces && old.sha256.equals(library.sha256())) {
@@ -70,7 +101,7 @@ final class FolderLaws implements AutoCloseable {
             if (old != null) {
                 drop(old.spare);
             }
-            byName.put(name, new ActiveFile(id, library.sha256(), spare));
+            byName.put(name, new ActiveFile(id, library.sha256(), spare, bytes));
         } catch (PhysicsException refusal) {
             drop(library);
             drop(spare);
@@ -112,25 +143,26 @@ final class FolderLaws implements AutoCloseable {
      */
     private int replace(long frame, String name, ActiveFile old, PreparedLibrary library) {
         if (old.spare == null) {
-            throw new PhysicsException(Status.ALREADY_EXISTS, name + " was replaced after"
-                + " an earlier replacement was refused; remove the file first, then drop it again");
+            throw new PhysicsException(Status.ALREADY_EXISTS, name + " was replaced"
+                + " too soon after an earlier replacement was refused; drop it again");
         }
         laws.unload(frame, old.libraryId);
         try {
             return laws.load(frame, library, Map.of());
         } catch (PhysicsException refusal) {
-            goBack(frame, name, old.sha256, old.spare, refusal);
+            goBack(frame, name, old, old.spare, refusal);
             throw refusal;
         }
     }
 
     /** A failure to do so is told behind the refusal that led here. */
-    private void goBack(long frame, String name, String sha256, PreparedLibrary spare,
+    private void goBack(long frame, String name, ActiveFile old, PreparedLibrary spare,
                         PhysicsException refusal) {
         try {
             int back = laws.load(frame, spare, Map.of());
             untrack(spare);
-            byName.put(name, new ActiveFile(back, sha256, null));
+            byName.put(name, new ActiveFile(back, old.sha256, null, old.bytes));
+            want(new SpareWanted(name, old.bytes));
         } catch (PhysicsException e) {
             refusal.addSuppressed(e);
         }

@@ -106,6 +106,7 @@ public final class LawFolder implements AutoCloseable {
                     lookAtMissing(name, files.get(name));
                 }
             }
+            makeSpares();
             present.forEach((name, file) ->
                 lookAt(name, file, files.computeIfAbsent(name, n -> new WatchedFile())));
         } catch (IOException | UncheckedIOException e) {
@@ -192,7 +193,7 @@ public final class LawFolder implements AutoCloseable {
     }
 
     private void settle(String name, Path path, BasicFileAttributes attributes,
-                        WatchedFile file) {
+                        WatchedFile file) throws IOException {
         if (!attributes.isRegularFile()) {
             file.refuse(new PhysicsException(Status.INVALID_ARGUMENT, path
                 + " is ignored: expected a regular file, found "
@@ -216,22 +217,52 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /** Prepares it twice: the second is what to go back to if a successor is refused. */
-    private void prepareAndOffer(String name, Path path, WatchedFile file) {
+    private void prepareAndOffer(String name, Path path, WatchedFile file)
+            throws IOException {
         PreparedLibrary library = active.track(engine.prepare(path));
         PreparedLibrary spare;
+        byte[] bytes;
         try {
             spare = active.track(engine.prepare(path));
-        } catch (RuntimeException e) {
+            bytes = Files.readAllBytes(path);
+        } catch (IOException | RuntimeException e) {
             active.drop(library);
             throw e;
         }
         file.settled = library.sha256().equals(spare.sha256())
-            && offer(frame -> active.put(frame, name, library, spare));
+            && offer(frame -> active.put(frame, name, library, spare, bytes));
         if (file.settled) {
             file.accepted = true;
         } else {
             active.drop(library);
             active.drop(spare);
+        }
+    }
+
+    /** Prepares used spares anew: their files hold something else by now. */
+    private void makeSpares() {
+        for (var wanted = active.nextWanted(); wanted != null; wanted = active.nextWanted()) {
+            String name = wanted.name();
+            try {
+                PreparedLibrary spare = active.track(prepare(wanted.bytes()));
+                if (!offer(frame -> active.giveSpare(name, spare))) {
+                    active.drop(spare);
+                    active.want(wanted);
+                    return;
+                }
+            } catch (IOException | RuntimeException e) {
+                warnOnce(name + " cannot be replaced, only removed: " + e.getMessage());
+            }
+        }
+    }
+
+    private PreparedLibrary prepare(byte[] bytes) throws IOException {
+        Path copy = Files.createTempFile("reve-law-", ".so");
+        try {
+            Files.write(copy, bytes);
+            return engine.prepare(copy);
+        } finally {
+            Files.delete(copy);
         }
     }
 

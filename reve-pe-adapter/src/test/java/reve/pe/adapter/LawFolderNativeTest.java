@@ -117,15 +117,24 @@ class LawFolderNativeTest {
         assertThat(world.events("fault")).singleElement().satisfies(fault ->
             assertThat(fault.fields()).containsEntry("source", "laws folder")
                 .containsEntry("file", "wind.so").containsEntry("status", "ACCESS_CONFLICT"));
-        drop("strong_wind", "wind.so");
-        lookAndRun(3);
-        assertThat(world.events("fault")).hasSize(2).last().satisfies(fault ->
-            assertThat(fault.fields().get("message")).asString().contains("remove the file first"));
-        Files.delete(folder.resolve("wind.so"));
-        lookAndRun(1);
-        drop("strong_wind", "wind.so");
-        double before = speed();
+    }
+
+    @Test
+    void aLawStaysHoweverManyReplacementsAreRefusedAndGoesForAGoodOne() throws IOException {
+        drop("wind", "wind.so");
         lookAndRun(2);
+        for (int i = 0; i < 3; i++) {
+            drop("rival_motion", "wind.so");
+            Files.setLastModifiedTime(folder.resolve("wind.so"), FileTime.fromMillis(i));
+            lookAndRun(3);
+            assertThat(loaded()).containsExactly("newton_motion", "wind");
+        }
+        assertThat(world.events("fault")).hasSize(3).allSatisfy(fault ->
+            assertThat(fault.fields()).containsEntry("status", "ACCESS_CONFLICT"));
+        drop("strong_wind", "wind.so");
+        lookAndRun(2);
+        double before = speed();
+        lookAndRun(1);
         assertThat(speed() - before).isCloseTo(2 * GAIN, offset(1e-15));
     }
 
