@@ -180,6 +180,58 @@ TEST(PrototypeFileTest, FileIsNamedWithoutItsFolder) {
   EXPECT_REFUSED(INVALID_ARGUMENT, "a prototype has at most 1 MiB", load(path));
 }
 
+/// The fenced blocks of a language in a page of docs/.
+std::vector<std::string> Examples(const std::string& page, const std::string& language) {
+  const std::vector<char> bytes = ReadFile(std::string(VESPER_TEST_DOCS) + "/" + page);
+  const std::string text(bytes.begin(), bytes.end());
+  const std::string fence = "```" + language + "\n";
+  std::vector<std::string> examples;
+  for (size_t at = text.find(fence); at != std::string::npos; at = text.find(fence, at)) {
+    at += fence.size();
+    examples.push_back(text.substr(at, text.find("```", at) - at));
+  }
+  return examples;
+}
+
+TEST(PrototypeFileTest, ExamplesOfThePageParse) {
+  const std::vector<std::string> examples = Examples("properties-and-units.md", "prototype");
+  ASSERT_EQ(examples.size(), 2u);
+  const PrototypePointer heat = Parse(examples[0]);
+  ASSERT_NE(heat, nullptr);
+  EXPECT_EQ(heat->property_count, vesper_prototype_standard("si-f64")->property_count + 6);
+  const PrototypePointer traffic = Parse(examples[1]);
+  ASSERT_NE(traffic, nullptr);
+  EXPECT_EQ(traffic->property_count, 2u);
+  std::string slip = examples[0];
+  slip.replace(slip.find("read_write"), 10, "reed");
+  EXPECT_REFUSED(INVALID_ARGUMENT, "heat.prototype:3:40: found 'reed', expected read, write, "
+                                   "read_write or accumulate; did you mean 'read'?",
+                 TryParse(slip));
+}
+
+TEST(PrototypeFileTest, UnitsOfThePageParse) {
+  const std::vector<char> bytes =
+      ReadFile(std::string(VESPER_TEST_DOCS) + "/properties-and-units.md");
+  const std::string page(bytes.begin(), bytes.end());
+  const size_t begin = page.find("| text | means |");
+  const std::string table = page.substr(begin, page.find("\n\n", begin) - begin);
+  size_t units = 0;
+  for (size_t row = table.find("\n| `"); row != std::string::npos; row = table.find("\n| `", row)) {
+    const size_t end = table.find(" | ", row + 3);
+    for (size_t at = table.find('`', row); at < end; at = table.find('`', at + 1)) {
+      const size_t close = table.find('`', at + 1);
+      vesper_unit unit;
+      EXPECT_EQ(vesper_unit_parse(table.substr(at + 1, close - at - 1).c_str(), &unit, nullptr),
+                VESPER_OK)
+          << table.substr(at, close - at + 1);
+      at = close;
+      ++units;
+    }
+    row = end;
+  }
+  EXPECT_EQ(units, 46u);
+}
+
 TEST(PrototypeFileTest, NullIsRefusedAndFreeTakesIt) {
   vesper_prototype* out = nullptr;
   EXPECT_EQ(vesper_prototype_load(nullptr, &out, nullptr), VESPER_INVALID_ARGUMENT);
