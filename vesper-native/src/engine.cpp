@@ -184,8 +184,14 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
   CheckConflicts(*added);
   added->Create(table, vesper::ResolveParameters(added->laws(), parameters, count));
   libraries_.push_back(std::move(added));
+  try {
+    schedule_.Plan(libraries_);
+  } catch (...) {
+    libraries_.pop_back();
+    schedule_.Plan(libraries_);
+    throw;
+  }
   libraries_.back()->Take(&prepared);
-  schedule_.Plan(libraries_);
   return next_library_++;
 }
 
@@ -282,12 +288,19 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
   try {
     for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
   } catch (const Failure& failure) {
-    schedule_.RestoreScratch();
-    faulted_ = true;
-    faulted_library_ = failure.error().library_id;
+    Fault(failure.error().library_id);
+    throw;
+  } catch (...) { // out of memory, say: half a step is done, and no library is to blame
+    Fault(VESPER_NO_LIBRARY);
     throw;
   }
   step_count_ += steps;
+}
+
+void vesper_engine::Fault(vesper_library_id library) {
+  schedule_.RestoreScratch();
+  faulted_ = true;
+  faulted_library_ = library;
 }
 
 void vesper_engine::ClearFault() {

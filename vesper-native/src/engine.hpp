@@ -56,6 +56,8 @@ struct vesper_engine {
 
   std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator FindLibrary(
       vesper_library_id id) const;
+  /// A step failed: undoes the laws' scratch; the client restores its arrays.
+  void Fault(vesper_library_id library);
   void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
   void CheckConflicts(const vesper::LawLibrary& added) const;
   vesper::EngineState State() const;
