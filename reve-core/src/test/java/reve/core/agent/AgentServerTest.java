@@ -445,7 +445,8 @@ class AgentServerTest {
         }
         long allocated = threads.getCurrentThreadAllocatedBytes() - before;
         assertThat(allocated / 1000).as("bytes per frame").isZero();
-        assertThat(room.server.stats().perceptions()).isGreaterThan(20);
+        // Frames in a burst may leave the encoder no time on a busy machine; the agents do perceive.
+        room.stepUntil("perceptions", () -> room.server.stats().perceptions() > 20);
         for (TestClient agent : agents) {
             agent.close();
         }
