@@ -27,6 +27,12 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_error, property),
     FIELD(vesper_error, message),
 
+    STRUCT(vesper_field),
+    FIELD(vesper_field, struct_size),
+    FIELD(vesper_field, reserved),
+    FIELD(vesper_field, user),
+    FIELD(vesper_field, evaluate),
+
     STRUCT(vesper_parameter),
     FIELD(vesper_parameter, struct_size),
     FIELD(vesper_parameter, reserved),
@@ -122,6 +128,14 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_desc, destroy),
     FIELD(vesper_law_desc, potential_energy),
 
+    STRUCT(vesper_field_desc),
+    FIELD(vesper_field_desc, struct_size),
+    FIELD(vesper_field_desc, components),
+    FIELD(vesper_field_desc, name),
+    FIELD(vesper_field_desc, doc),
+    FIELD(vesper_field_desc, unit),
+    FIELD(vesper_field_desc, evaluate),
+
     STRUCT(vesper_law_library),
     FIELD(vesper_law_library, struct_size),
     FIELD(vesper_law_library, abi_version),
@@ -131,6 +145,9 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_library, laws),
     FIELD(vesper_law_library, open),
     FIELD(vesper_law_library, close),
+    FIELD(vesper_law_library, field_count),
+    FIELD(vesper_law_library, reserved1),
+    FIELD(vesper_law_library, fields),
 
     STRUCT(vesper_provided_property),
     FIELD(vesper_provided_property, struct_size),
@@ -140,6 +157,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_provided_property, indices),
     FIELD(vesper_provided_property, object_count),
     FIELD(vesper_provided_property, version),
+    FIELD(vesper_provided_property, field),
 
     STRUCT(vesper_provider_callbacks),
     FIELD(vesper_provider_callbacks, struct_size),

@@ -108,6 +108,13 @@ vesper_status vesper_provider_rebind_physical_property(vesper_provider* provider
   });
 }
 
+vesper_status vesper_provider_set_field(vesper_provider* provider, const char* name,
+                                        const vesper_field* field, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(provider, "provider").engine.SetField(name, Required(field, "field"));
+  });
+}
+
 vesper_status vesper_provider_remove_physical_property(vesper_provider* provider, const char* name,
                                                        vesper_error* error) noexcept {
   return Guarded(error, [&] { Required(provider, "provider").engine.RemoveProperty(name); });

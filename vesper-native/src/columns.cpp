@@ -4,6 +4,7 @@
 
 #include "failure.hpp"
 #include "kernels.hpp"
+#include "struct_array.hpp"
 #include "unit.hpp"
 
 namespace vesper {
@@ -14,6 +15,12 @@ void CheckArrays(const PropertySpec& spec, const Arrays& arrays) {
     return Failure(status, "property %s: %s (found %" PRIu64 ")", spec.name.c_str(), what, found)
         .Property(spec.name);
   };
+  if (IsField(spec.type)) {
+    throw Failure(VESPER_TYPE_MISMATCH,
+                  "property %s is a field and has no arrays; use vesper_provider_set_field",
+                  spec.name.c_str())
+        .Property(spec.name);
+  }
   if (arrays.value_count > INT64_MAX / spec.row_size) {
     throw fail(VESPER_INVALID_ARGUMENT, "value_count does not fit memory", arrays.value_count);
   }
@@ -64,7 +71,7 @@ void Columns::Add(uint32_t property, const Arrays& arrays) {
   }
   CheckArrays(added, arrays);
   for (uint32_t i = 0; i < size(); ++i) {
-    if (!columns_[i].bound || spec(i).kind != added.kind) continue;
+    if (!columns_[i].bound || spec(i).kind != added.kind || IsField(spec(i).type)) continue;
     if (columns_[i].arrays.row_count == arrays.row_count) continue;
     throw Failure(VESPER_COUNT_MISMATCH,
                   "property %s: object_count %" PRIu64 ", but %s of the same kind %s has %" PRIu64,
@@ -93,6 +100,30 @@ void Columns::Provide(uint32_t property, const Arrays& arrays) {
   Column& column = columns_[property];
   column.bound = true;
   column.arrays = arrays;
+  Touch(property);
+}
+
+void Columns::CheckField(uint32_t property, const vesper_field& field) const {
+  const std::string& name = spec(property).name;
+  if (!IsField(spec(property).type)) {
+    throw Failure(VESPER_TYPE_MISMATCH, "property %s is no field; it has %s per row", name.c_str(),
+                  DescribeType(spec(property).type, spec(property).components).c_str())
+        .Property(name);
+  }
+  CheckStructSize(field, "field");
+  if (field.evaluate == nullptr) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "property %s: field.evaluate is null", name.c_str())
+        .Property(name);
+  }
+}
+
+void Columns::SetField(uint32_t property, const vesper_field& field) {
+  CheckField(property, field);
+  Column& column = columns_[property];
+  column.field = field;
+  column.field.struct_size = sizeof column.field;
+  column.bound = true;
+  column.arrays = {&column.field, 0, nullptr, 0};
   Touch(property);
 }
 
@@ -130,7 +161,7 @@ void Columns::AgreeRowCounts() {
   for (uint32_t kind = 0; kind < row_counts_.size(); ++kind) {
     uint32_t first = kNone;
     for (uint32_t i = 0; i < size(); ++i) {
-      if (!columns_[i].bound || spec(i).kind != kind) continue;
+      if (!columns_[i].bound || spec(i).kind != kind || IsField(spec(i).type)) continue;
       if (first == kNone) first = i;
       const uint64_t expected = columns_[first].arrays.row_count;
       const uint64_t found = columns_[i].arrays.row_count;

@@ -25,6 +25,7 @@ struct Column {
   bool stale = false;  // to be expanded and range-checked before anybody reads it
   Arrays arrays{};
   uint64_t version = 0;
+  vesper_field field{};  // where the property is one
   AlignedBuffer dense;  // the rows, where the client shares values through indices
 
   /// Rows, dense; null if there are none.
@@ -40,9 +41,12 @@ class Columns {
 
   void Add(uint32_t property, const Arrays& arrays);
   void Rebind(uint32_t property, const Arrays& arrays);
+  /// Binds a field, or another one; it is copied.
+  void SetField(uint32_t property, const vesper_field& field);
   void Remove(uint32_t property);
   /// Throws if these cannot stand for the property, whatever else is bound.
   void Check(uint32_t property, const Arrays& arrays) const;
+  void CheckField(uint32_t property, const vesper_field& field) const;
   /// Adds or rebinds arrays that passed Check; row counts are agreed by Refresh.
   void Provide(uint32_t property, const Arrays& arrays);
   void Touch(uint32_t property);

@@ -6,13 +6,16 @@
 
 #include "aligned_buffer.hpp"
 #include "failure.hpp"
+#include "field.hpp"
 #include "unit.hpp"
 
 namespace vesper {
 namespace {
 
-/// A column in the law's unit, and what it was before the law ran.
+/// A column in the law's unit, and what it was before the law ran; or a field.
 struct Converted {
+  std::unique_ptr<ConvertedField> function;
+  vesper_field field{};
   AlignedBuffer values;
   AlignedBuffer before;
 };
@@ -33,6 +36,7 @@ class ConvertingRunner final : public LawRunner {
     targets_ = &targets;
     seen_ = targets;
     for (size_t i = 0; i < targets.size(); ++i) {
+      if (IsField(targets[i].scalar_type)) ConvertField(i);
       if (!IsConverted(i)) continue;
       const size_t size = ValueCount(targets[i]) * ScalarSize(targets[i].scalar_type);
       columns_[i].values.Resize(size);
@@ -52,6 +56,15 @@ class ConvertingRunner final : public LawRunner {
  private:
   bool IsConverted(size_t i) const {
     return !ratios_[i].IsOne() && (*targets_)[i].row_count > 0;
+  }
+
+  void ConvertField(size_t i) {
+    if (ratios_[i].IsOne() || seen_[i].data == nullptr) return;
+    const auto& source = *static_cast<const vesper_field*>(seen_[i].data);
+    columns_[i].function =
+        std::make_unique<ConvertedField>(source, ratios_[i], seen_[i].components);
+    columns_[i].field = columns_[i].function->field();
+    seen_[i].data = &columns_[i].field;
   }
 
   void CopyIn() {

@@ -2,6 +2,7 @@
 
 #include "failure.hpp"
 #include "struct_array.hpp"
+#include "unit.hpp"
 
 namespace vesper {
 
@@ -22,7 +23,11 @@ void CustomProvider::Refresh(Columns& columns, const Check& check) {
   for (uint32_t i = 0; i < columns.size(); ++i) {
     answers.push_back(Ask(columns.spec(i)));
     if (!answers.back().known) continue;
-    columns.Check(i, answers.back().arrays);
+    if (IsField(columns.spec(i).type)) {
+      columns.CheckField(i, answers.back().field);
+    } else {
+      columns.Check(i, answers.back().arrays);
+    }
     check(i, answers.back().arrays);
   }
   for (uint32_t i = 0; i < columns.size(); ++i) Bind(columns, i, answers_[i], answers[i]);
@@ -41,7 +46,8 @@ CustomProvider::Answer CustomProvider::Ask(const PropertySpec& property) const {
   if (status == VESPER_OK) {
     return {true,
             {provided.data, provided.value_count, provided.indices, provided.object_count},
-            provided.version};
+            provided.version,
+            provided.field};
   }
   Sanitize(error);
   throw Failure(status, "property %s: the client's provider answers %s%s%s", property.name.c_str(),
@@ -53,6 +59,11 @@ void CustomProvider::Bind(Columns& columns, uint32_t property, const Answer& bef
                           const Answer& now) {
   if (!now.known) {
     if (before.known) columns.Remove(property);
+  } else if (IsField(columns.spec(property).type)) {
+    const bool same = before.known && now.version == before.version &&
+                      now.field.user == before.field.user &&
+                      now.field.evaluate == before.field.evaluate;
+    if (!same) columns.SetField(property, now.field);
   } else if (!before.known || now.arrays != before.arrays) {
     columns.Provide(property, now.arrays);
   } else if (now.version != before.version) {

@@ -29,6 +29,7 @@ class CustomProvider {
     bool known;
     Arrays arrays;
     uint64_t version;
+    vesper_field field;
   };
 
   Answer Ask(const PropertySpec& property) const;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "failure.hpp"
+#include "law_table.hpp"
 #include "matching.hpp"
 #include "state_hash.hpp"
 #include "struct_array.hpp"
@@ -57,7 +58,7 @@ void vesper_engine::SetProvider(const vesper_provider_callbacks* callbacks) {
     custom = std::make_unique<vesper::CustomProvider>(*callbacks, prototype_);
   }
   for (uint32_t i = 0; i < columns_.size(); ++i) {
-    if (!columns_[i].bound) continue;
+    if (!columns_[i].bound || FieldOwner(i) != nullptr) continue;
     if (custom_ == nullptr) {
       throw Failure(VESPER_ALREADY_EXISTS,
                     "property %s is bound already; remove it before setting a provider",
@@ -72,6 +73,7 @@ void vesper_engine::SetProvider(const vesper_provider_callbacks* callbacks) {
 void vesper_engine::RefreshColumns() {
   if (custom_ != nullptr) {
     custom_->Refresh(columns_, [this](uint32_t property, const vesper::Arrays& arrays) {
+      RefuseFieldOfLibrary(property);
       CheckArraysFit(property, arrays);
     });
   }
@@ -125,12 +127,54 @@ void vesper_engine::CheckArraysFit(uint32_t property, const vesper::Arrays& arra
                [](const vesper_property_use& use) { return use.access != VESPER_READ; });
 }
 
+void vesper_engine::SetField(const char* name, const vesper_field& field) {
+  const Turn turn(*this);
+  const uint32_t property = RequireRegistered(name);
+  RefuseFieldOfLibrary(property);
+  columns_.SetField(property, field);
+}
+
+/// The library that brought the field; null if none did.
+const vesper::LawLibrary* vesper_engine::FieldOwner(uint32_t property) const {
+  for (const auto& library : libraries_) {
+    for (const auto& field : library->fields()) {
+      if (field->property == property) return library.get();
+    }
+  }
+  return nullptr;
+}
+
+void vesper_engine::RefuseFieldOfLibrary(uint32_t property) const {
+  const vesper::LawLibrary* owner = FieldOwner(property);
+  if (owner == nullptr) return;
+  const std::string& name = columns_.spec(property).name;
+  throw Failure(VESPER_ALREADY_EXISTS, "field %s comes from library %s; unload it first",
+                name.c_str(), owner->name().c_str())
+      .Property(name)
+      .Library(owner->id());
+}
+
+void vesper_engine::MatchFields(const vesper_law_library& table,
+                                vesper::LawLibrary& added) const {
+  const auto fields = vesper::FieldsOf(table);
+  for (uint32_t i = 0; i < fields.size(); ++i) {
+    added.fields().push_back(vesper::MatchField(table.name, fields[i], prototype_));
+    const uint32_t property = added.fields().back()->property;
+    RefuseFieldOfLibrary(property);
+    if (!columns_[property].bound) continue;
+    throw Failure(VESPER_ALREADY_EXISTS, "library %s: field %s is bound already; remove it first",
+                  table.name, fields[i].name)
+        .Property(fields[i].name);
+  }
+}
+
 void vesper_engine::RemoveProperty(const char* name) {
   const Turn turn(*this);
   const uint32_t property = RequireRegistered(name);
   RefuseIfUsed(property, "is needed by", [](const vesper_property_use& use) {
     return (use.flags & VESPER_USE_OPTIONAL) == 0;
   });
+  RefuseFieldOfLibrary(property);
   columns_.Remove(property);
 }
 
@@ -181,6 +225,7 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
   if (custom_ != nullptr) RefreshColumns();
   auto added = std::make_unique<vesper::LawLibrary>(next_library_, table.name, config_, pool_);
   MatchLaws(table, *added);
+  MatchFields(table, *added);
   CheckConflicts(*added);
   added->Create(table, vesper::ResolveParameters(added->laws(), parameters, count));
   libraries_.push_back(std::move(added));
@@ -192,6 +237,9 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
     throw;
   }
   libraries_.back()->Take(&prepared);
+  for (const auto& field : libraries_.back()->fields()) {
+    columns_.SetField(field->property, field->function->field());
+  }
   return next_library_++;
 }
 
@@ -229,6 +277,7 @@ void vesper_engine::CheckConflicts(const vesper::LawLibrary& added) const {
 void vesper_engine::Unload(vesper_library_id id) {
   const Turn turn(*this);
   const auto found = FindLibrary(id);
+  for (const auto& field : (*found)->fields()) columns_.Remove(field->property);
   libraries_.erase(found);
   schedule_.Plan(libraries_);
   if (faulted_ && faulted_library_ == id) {

@@ -34,6 +34,7 @@ struct vesper_engine {
   void SetProvider(const vesper_provider_callbacks* callbacks);
   void AddProperty(const char* name, const vesper::Arrays& arrays);
   void RebindProperty(const char* name, const vesper::Arrays& arrays);
+  void SetField(const char* name, const vesper_field& field);
   void RemoveProperty(const char* name);
   void FindProperty(const char* name, vesper_property& out);
   void Touch(const char* const* names, uint32_t count);
@@ -58,6 +59,9 @@ struct vesper_engine {
       vesper_library_id id) const;
   /// A step failed: undoes the laws' scratch; the client restores its arrays.
   void Fault(vesper_library_id library);
+  void MatchFields(const vesper_law_library& table, vesper::LawLibrary& added) const;
+  const vesper::LawLibrary* FieldOwner(uint32_t property) const;
+  void RefuseFieldOfLibrary(uint32_t property) const;
   void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
   void CheckConflicts(const vesper::LawLibrary& added) const;
   vesper::EngineState State() const;

@@ -50,6 +50,11 @@ void LawLibrary::Create(const vesper_law_library& table,
     suite_ = suite;
     close_ = table.close;
   }
+  for (const auto& field : fields_) {
+    const vesper_field source{sizeof source, 0, suite_, field->desc->evaluate};
+    field->function = std::make_unique<ConvertedField>(source, field->from_library,
+                                                       field->desc->components);
+  }
   for (size_t i = 0; i < laws_.size(); ++i) {
     try {
       laws_[i]->law.Create(host_, suite_, parameters[i]);

@@ -7,6 +7,7 @@
 
 #include "aligned_buffer.hpp"
 #include "config.hpp"
+#include "field.hpp"
 #include "kernels.hpp"
 #include "law.hpp"
 #include "law_runner.hpp"
@@ -26,6 +27,14 @@ struct MatchedUse {
   UnitRatio to_law{};     // from the property's unit to the one that the law declares
   uint32_t scratch_kind = 0;
   ScratchColumn scratch{};
+};
+
+/// A field of a library, matched with the prototype.
+struct LoadedField {
+  uint32_t property;
+  const vesper_field_desc* desc;
+  UnitRatio from_library;  // to the property's unit
+  std::unique_ptr<ConvertedField> function = nullptr;  // made once the suite is open
 };
 
 /// A law with everything the engine keeps for it.
@@ -59,6 +68,8 @@ class LawLibrary {
   const std::string& name() const { return name_; }
   std::vector<std::unique_ptr<LoadedLaw>>& laws() { return laws_; }
   const std::vector<std::unique_ptr<LoadedLaw>>& laws() const { return laws_; }
+  std::vector<std::unique_ptr<LoadedField>>& fields() { return fields_; }
+  const std::vector<std::unique_ptr<LoadedField>>& fields() const { return fields_; }
 
  private:
   static void HostLog(void* context, uint32_t level, const char* message);
@@ -73,6 +84,7 @@ class LawLibrary {
   std::unique_ptr<vesper_prepared_library> prepared_;
   vesper_suite* suite_ = nullptr;
   void (*close_)(vesper_suite*) = nullptr;
+  std::vector<std::unique_ptr<LoadedField>> fields_;
   std::vector<std::unique_ptr<LoadedLaw>> laws_;
 };
 

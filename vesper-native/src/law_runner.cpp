@@ -91,7 +91,7 @@ class GuardedRunner final : public LawRunner {
     seen_ = targets;
     copies_.resize(targets.size());
     for (size_t i = 0; i < targets.size(); ++i) {
-      if (targets[i].data == nullptr) continue;
+      if (targets[i].data == nullptr || IsField(targets[i].scalar_type)) continue;
       copies_[i].Resize(ByteSize(targets[i]));
       seen_[i].data = copies_[i].data();
     }
@@ -130,7 +130,7 @@ class GuardedRunner final : public LawRunner {
   void CheckKeptWord() const {
     for (size_t i = 0; i < seen_.size(); ++i) {
       const vesper_property& seen = seen_[i];
-      if (seen.data == nullptr) continue;
+      if (seen.data == nullptr || IsField(seen.scalar_type)) continue;
       if (!copies_[i].FrontIntact()) throw Misbehaved(law_, seen, 0, "wrote before the first row");
       if (!copies_[i].BackIntact()) {
         throw Misbehaved(law_, seen, seen.row_count, "wrote past the last row");

@@ -1,6 +1,7 @@
 #include "law_table.hpp"
 
 #include <cmath>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <string>
@@ -13,6 +14,7 @@ namespace vesper {
 namespace {
 
 constexpr uint32_t kMaxStages = 16;
+constexpr size_t kLibrarySizeOf10 = offsetof(vesper_law_library, field_count);
 constexpr const char* kBadUnit = "unit has no finite positive scale or no symbol end";
 constexpr uint32_t kAllClaims = VESPER_CLAIM_MOMENTUM | VESPER_CLAIM_ANGULAR_MOMENTUM |
                                 VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION;
@@ -45,7 +47,7 @@ void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
   Require(IsValidName(use.name), where, "a property use has no valid name");
   const std::string name = where + ", property " + use.name;
   Require(IsValidName(use.kind), name, "kind is no valid name");
-  Require(ScalarSize(use.scalar_type) != 0, name, "unknown scalar_type");
+  Require(IsKnownType(use.scalar_type), name, "unknown scalar_type");
   Require(use.components > 0, name, "components is 0");
   Require(IsValidUnit(use.unit), name, kBadUnit);
   Require((use.flags & ~VESPER_USE_OPTIONAL) == 0, name, "unknown flags");
@@ -115,6 +117,22 @@ bool ServeOnePrototype(const vesper_law_desc& a, const vesper_law_desc& b) {
   return a.real_type == b.real_type || a.real_type == 0 || b.real_type == 0;
 }
 
+void CheckFields(const vesper_law_library& library, const std::string& where) {
+  const StructArray<vesper_field_desc> fields = FieldsOf(library);
+  Require(fields.size() <= kMaxTableEntries, where, "field_count is implausible");
+  for (uint32_t i = 0; i < fields.size(); ++i) {
+    Require(IsValidName(fields[i].name), where, "a field has no valid name");
+    const std::string name = where + ", field " + fields[i].name;
+    Require(fields[i].doc != nullptr, name, "doc is null");
+    Require(fields[i].components > 0, name, "components is 0");
+    Require(IsValidUnit(fields[i].unit), name, kBadUnit);
+    Require(fields[i].evaluate != nullptr, name, "evaluate is null");
+    for (uint32_t j = 0; j < i; ++j) {
+      Require(std::strcmp(fields[i].name, fields[j].name) != 0, name, "is there twice");
+    }
+  }
+}
+
 void CheckLaws(const vesper_law_library& library, const std::string& where) {
   const StructArray laws(library.laws, library.law_count, "laws");
   for (uint32_t i = 0; i < laws.size(); ++i) {
@@ -128,6 +146,11 @@ void CheckLaws(const vesper_law_library& library, const std::string& where) {
 
 }  // namespace
 
+StructArray<vesper_field_desc> FieldsOf(const vesper_law_library& library) {
+  if (library.struct_size < sizeof library) return {nullptr, 0, "fields"};
+  return {library.fields, library.field_count, "fields"};
+}
+
 void CheckLawLibrary(const vesper_law_library* library, const char* source) {
   const std::string file(source);
   Require(library != nullptr, file, VESPER_LAW_LIBRARY_ENTRY " returned null");
@@ -135,13 +158,14 @@ void CheckLawLibrary(const vesper_law_library* library, const char* source) {
           VESPER_LAW_LIBRARY_ENTRY " returned a misaligned pointer");
   CheckAbi(*library, source);
   try {
-    CheckStructSize(*library, "vesper_law_library");
+    CheckStructSize(*library, "vesper_law_library", kLibrarySizeOf10);
     Require(IsValidName(library->name), file, "the library has no valid name");
     Require(library->law_count >= 1 && library->law_count <= kMaxTableEntries, file,
             "law_count must be 1 to 256");
     Require((library->open == nullptr) == (library->close == nullptr), file,
             "open and close go together");
     CheckLaws(*library, file);
+    CheckFields(*library, file);
   } catch (Failure& failure) {
     if (failure.status() == VESPER_LIBRARY_LOAD_FAILED) throw;
     throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", source, failure.error().message);

@@ -38,7 +38,8 @@ void CheckUse(const vesper_law_desc& law, const vesper_property_use& use, const 
                    DescribeType(use.scalar_type, use.components),
                    DescribeType(spec.type, spec.components));
   }
-  const bool convertible = IsReal(spec.type) && SameDimension(spec.unit, use.unit);
+  const bool convertible =
+      (IsReal(spec.type) || IsField(spec.type)) && SameDimension(spec.unit, use.unit);
   if (!convertible && !SameUnit(spec.unit, use.unit)) {
     throw Mismatch(VESPER_UNIT_MISMATCH, law, use, "unit", Describe(use.unit),
                    Describe(spec.unit));
@@ -173,6 +174,34 @@ std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& p
     if (columns[property].arrays.indices != nullptr) CheckShared(law, uses[i]);
   }
   return matched;
+}
+
+std::unique_ptr<LoadedField> MatchField(const char* library, const vesper_field_desc& field,
+                                        const Prototype& prototype) {
+  const std::string label = std::string("library ") + library;
+  uint32_t property;
+  try {
+    property = prototype.Require(field.name);
+  } catch (Failure& failure) {
+    failure.Within(label);
+    throw;
+  }
+  const PropertySpec& spec = prototype.properties()[property];
+  const auto mismatch = [&](vesper_status status, const char* what, const std::string& found,
+                            const std::string& expected) {
+    return Failure(status, "%s: field %s: %s is %s, expected %s", label.c_str(), field.name, what,
+                   found.c_str(), expected.c_str())
+        .Property(field.name);
+  };
+  if (!IsField(spec.type) || spec.components != field.components) {
+    throw mismatch(VESPER_TYPE_MISMATCH, "type", DescribeType(VESPER_FIELD, field.components),
+                   DescribeType(spec.type, spec.components));
+  }
+  if (!SameDimension(field.unit, spec.unit)) {
+    throw mismatch(VESPER_UNIT_MISMATCH, "unit", Describe(field.unit), Describe(spec.unit));
+  }
+  return std::make_unique<LoadedField>(
+      LoadedField{property, &field, {field.unit.scale, spec.unit.scale}});
 }
 
 void CheckCompatible(const LoadedLaw& a, const LoadedLaw& b, const Prototype& prototype) {

@@ -15,6 +15,11 @@ namespace vesper {
 std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& prototype,
                                   const Columns& columns);
 
+/// Matches a field of library `library` with a property; throws NOT_FOUND, TYPE_MISMATCH or
+/// UNIT_MISMATCH likewise.
+std::unique_ptr<LoadedField> MatchField(const char* library, const vesper_field_desc& field,
+                                        const Prototype& prototype);
+
 /// Throws ACCESS_CONFLICT if the two cannot act in one engine.
 void CheckCompatible(const LoadedLaw& a, const LoadedLaw& b, const Prototype& prototype);
 

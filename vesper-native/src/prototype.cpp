@@ -33,7 +33,10 @@ void CheckDescriptor(const vesper_property_descriptor& property, uint32_t index)
         .Property(property.name);
   };
   if (!IsValidName(property.kind)) throw fail("kind is no valid name");
-  if (ScalarSize(property.scalar_type) == 0) throw fail("unknown scalar_type");
+  if (!IsKnownType(property.scalar_type)) throw fail("unknown scalar_type");
+  if (IsField(property.scalar_type) && property.law_access != VESPER_READ) {
+    throw fail("a field must be READ only");
+  }
   if (property.components == 0 || property.components > kMaxComponents) {
     throw fail("components must be 1 to 256");
   }

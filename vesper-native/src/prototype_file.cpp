@@ -258,8 +258,8 @@ class Reader {
   vesper_scalar_type ReadType(Line& line) const {
     const Word types[] = {{"real", prototype_->real_type}, {"f32", VESPER_F32},
                           {"f64", VESPER_F64},             {"i32", VESPER_I32},
-                          {"u32", VESPER_U32}};
-    return line.OneOf(types, "a type: real, f32, f64, i32 or u32");
+                          {"u32", VESPER_U32},             {"field", VESPER_FIELD}};
+    return line.OneOf(types, "a type: real, f32, f64, i32, u32 or field");
   }
 
   /// What holds for every prototype; a property to blame is found again by its name.

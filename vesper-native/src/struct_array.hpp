@@ -11,10 +11,11 @@ namespace vesper {
 /// A larger stride than any future struct will have; catches uninitialised sizes.
 inline constexpr uint32_t kMaxStructSize = 4096;
 
-/// Refuses a struct that is smaller than this build knows, or of no plausible size.
+/// Refuses a struct that is smaller than this build knows (or than `minimum`, where later fields
+/// may be missing), or of no plausible size.
 template <class T>
-void CheckStructSize(const T& item, const char* what) {
-  if (item.struct_size < sizeof(T) || item.struct_size > kMaxStructSize ||
+void CheckStructSize(const T& item, const char* what, size_t minimum = sizeof(T)) {
+  if (item.struct_size < minimum || item.struct_size > kMaxStructSize ||
       item.struct_size % alignof(T) != 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "%s.struct_size is %u, expected sizeof = %zu", what,
                   item.struct_size, sizeof(T));

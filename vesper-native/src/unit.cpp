@@ -53,12 +53,17 @@ size_t ScalarSize(vesper_scalar_type type) {
 
 bool IsReal(vesper_scalar_type type) { return type == VESPER_F32 || type == VESPER_F64; }
 
+bool IsField(vesper_scalar_type type) { return type == VESPER_FIELD; }
+
+bool IsKnownType(vesper_scalar_type type) { return ScalarSize(type) != 0 || IsField(type); }
+
 const char* ScalarName(vesper_scalar_type type) {
   switch (type) {
     case VESPER_F32: return "f32";
     case VESPER_F64: return "f64";
     case VESPER_I32: return "i32";
     case VESPER_U32: return "u32";
+    case VESPER_FIELD: return "field";
   }
   return "unknown type";
 }

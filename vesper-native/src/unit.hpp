@@ -19,10 +19,12 @@ bool IsValidUnit(const vesper_unit& unit);
 /// The symbol and, where the symbol alone could mislead, the SI form: "N = m*kg*s^-2".
 std::string Describe(const vesper_unit& unit);
 
-/// Bytes of one scalar; 0 for a number that is no scalar type.
+/// Bytes of one scalar of a column; 0 for a field and for a number that is no scalar type.
 size_t ScalarSize(vesper_scalar_type type);
 bool IsReal(vesper_scalar_type type);
-/// "f32", "f64", "i32", "u32", or "unknown type".
+bool IsField(vesper_scalar_type type);
+bool IsKnownType(vesper_scalar_type type);
+/// "f32", "f64", "i32", "u32", "field", or "unknown type".
 const char* ScalarName(vesper_scalar_type type);
 /// "f64 x 3"
 std::string DescribeType(vesper_scalar_type type, uint32_t components);

@@ -44,6 +44,7 @@ typedef struct vesper_provided_property {
   const uint32_t* indices;
   uint64_t object_count;
   uint64_t version; /**< Another number after values were edited in place; see touch. */
+  vesper_field field; /**< Instead of arrays, for a FIELD property. */
 } vesper_provided_property;
 
 /** A property provider of the client's own. Its functions are called between steps, on the thread
@@ -162,6 +163,11 @@ VESPER_API vesper_status vesper_provider_add_physical_property(
 VESPER_API vesper_status vesper_provider_rebind_physical_property(
     vesper_provider* provider, const char* name, void* data, uint64_t value_count,
     const uint32_t* indices, uint64_t object_count, vesper_error* error) VESPER_NOEXCEPT;
+/** Registers, or replaces, the field that stands for a FIELD property; it is copied. Remove it like
+ *  arrays. TYPE_MISMATCH for any other property. */
+VESPER_API vesper_status vesper_provider_set_field(vesper_provider* provider, const char* name,
+                                                   const vesper_field* field,
+                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Refused with ACCESS_CONFLICT while a loaded law needs the property. */
 VESPER_API vesper_status vesper_provider_remove_physical_property(
     vesper_provider* provider, const char* name, vesper_error* error) VESPER_NOEXCEPT;

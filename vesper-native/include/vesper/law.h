@@ -126,6 +126,17 @@ typedef struct vesper_law_desc {
   vesper_status (*potential_energy)(vesper_law* law, double* out, vesper_error* error);
 } vesper_law_desc;
 
+/** A field that a library brings for a FIELD property of the prototype. Since 1.1. */
+typedef struct vesper_field_desc {
+  uint32_t struct_size;
+  uint32_t components;
+  const char* name; /**< Of the property. */
+  const char* doc;  /**< One line. */
+  vesper_unit unit; /**< Of the values; converted if it differs from the property's in scale. */
+  /** As in `vesper_field`; `user` is the library's suite, or null if it has none. */
+  void (*evaluate)(void* user, uint64_t count, const double* at, double* out);
+} vesper_field_desc;
+
 /** What a law library is. Static data; the engine checks `abi_version` before it reads on. */
 typedef struct vesper_law_library {
   uint32_t struct_size;
@@ -137,6 +148,10 @@ typedef struct vesper_law_library {
   /** Optional pair (both or none): state that the library's laws share, one per engine. */
   vesper_status (*open)(const vesper_host* host, vesper_suite** out, vesper_error* error);
   void (*close)(vesper_suite* suite);
+  /** Since 1.1: fields that are bound while the library is loaded. */
+  uint32_t field_count;
+  uint32_t reserved1;
+  const vesper_field_desc* fields;
 } vesper_law_library;
 
 /** The one exported symbol of a law library. */

@@ -220,6 +220,61 @@ using OptionalReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_OPTIONAL>;
 template <class Row>
 using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
 
+/** A function of position that a law reads: wind, a magnetic field. Value is a real or Vec3 of one;
+ *  the values come in the unit declared. For many positions at once, Evaluate is one call. */
+template <class Value, uint32_t flags>
+class FieldOf {
+ public:
+  static constexpr vesper_access kAccess = VESPER_READ;
+
+  constexpr FieldOf(const char* name, const char* kind, const vesper_unit& unit)
+      : name_(name), kind_(kind), unit_(unit) {}
+
+  /** The value at a position [m]. */
+  template <class Real>
+  Value operator()(const Vec3<Real>& at) const {
+    const double from[3] = {at.x, at.y, at.z};
+    double out[kComponents];
+    field_->evaluate(field_->user, 1, from, out);
+    if constexpr (kComponents == 1) {
+      return static_cast<Value>(out[0]);
+    } else {
+      return {static_cast<Real>(out[0]), static_cast<Real>(out[1]), static_cast<Real>(out[2])};
+    }
+  }
+  /** out (count x components) at the positions `at` (count x 3) [m]. */
+  void Evaluate(uint64_t count, const double* at, double* out) const {
+    field_->evaluate(field_->user, count, at, out);
+  }
+  /** False if the prototype lacks this optional field or nobody gave one. */
+  bool present() const requires(flags == VESPER_USE_OPTIONAL) { return field_ != nullptr; }
+
+ private:
+  template <class Law>
+  friend class detail::Instance;
+
+  static constexpr uint32_t kComponents = detail::RowType<Value>::kComponents;
+  static_assert(kComponents == 1 || kComponents == 3, "a field's value is a real or a Vec3");
+
+  constexpr vesper_property_use Use() const {
+    return {sizeof(vesper_property_use), VESPER_FIELD, name_, kind_, kComponents, kAccess, unit_,
+            flags, 0};
+  }
+  void Set(const vesper_property& property) {
+    field_ = static_cast<const vesper_field*>(property.data);
+  }
+
+  const char* name_;
+  const char* kind_;
+  vesper_unit unit_;
+  const vesper_field* field_ = nullptr;
+};
+
+template <class Value>
+using Field = FieldOf<Value, 0>;
+template <class Value>
+using OptionalField = FieldOf<Value, VESPER_USE_OPTIONAL>;
+
 /** A number fixed while the law is loaded, in the unit declared; the engine refuses values outside
  *  [minimum, maximum]. Holds its default until the law is loaded, its value from Bind on. */
 class Parameter {

@@ -17,7 +17,7 @@ extern "C" {
 
 /** Version of this contract: laws and engine must share it (see `vesper_law_library`). */
 #define VESPER_ABI_MAJOR 1u
-#define VESPER_ABI_MINOR 0u
+#define VESPER_ABI_MINOR 1u
 #define VESPER_ABI_VERSION ((VESPER_ABI_MAJOR << 16) | VESPER_ABI_MINOR)
 
 /** Outcome of a call. Numbers are never reused; `vesper_status_name` gives the name. */
@@ -44,6 +44,7 @@ typedef uint32_t vesper_scalar_type;
 #define VESPER_F64 2u
 #define VESPER_I32 3u
 #define VESPER_U32 4u
+#define VESPER_FIELD 5u /**< No column: a `vesper_field`. READ only; has a kind, but no rows. */
 
 /** What a law does to a property, or (as a set of bits) the most that any law may do to it. */
 typedef uint32_t vesper_access;
@@ -100,6 +101,17 @@ typedef struct vesper_parameter {
   double value;
 } vesper_parameter;
 
+/** A function of position, such as wind or a magnetic field; the `data` of a bound FIELD property.
+ *  Always f64, whatever the prototype's real type. */
+typedef struct vesper_field {
+  uint32_t struct_size;
+  uint32_t reserved;
+  void* user; /**< Handed back as first argument. */
+  /** out (count x components) [the property's unit] at the positions `at` (count x 3) [m]. Finite,
+   *  a function of position only within a step; called from several threads at the same time. */
+  void (*evaluate)(void* user, uint64_t count, const double* at, double* out);
+} vesper_field;
+
 /** Declares one property of a prototype. Strings are copied when the engine is created. */
 typedef struct vesper_property_descriptor {
   uint32_t struct_size;
@@ -135,7 +147,8 @@ typedef struct vesper_property {
   const char* kind;
   uint32_t components;
   vesper_access access; /**< Of the law it is handed to; of any law (the most) from the provider. */
-  void* data;           /**< May be null if `row_count` is 0 or the property is absent. */
+  void* data;           /**< May be null if `row_count` is 0 or the property is absent. Of a
+                             FIELD: its `const vesper_field*`. */
   uint64_t row_count;
   uint64_t version; /**< Raised when the client touched or rebound the property. */
 } vesper_property;

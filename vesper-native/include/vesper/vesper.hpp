@@ -218,6 +218,11 @@ class PhysicalPropertyProvider {
                               std::span<const uint32_t> indices = {}) {
     Register(vesper_provider_rebind_physical_property, name, values, indices);
   }
+  /** Registers, or replaces, the function that stands for a FIELD property; it is copied. */
+  void SetField(const std::string& name, const vesper_field& field) {
+    vesper_error error{};
+    detail::Check(vesper_provider_set_field(provider_, name.c_str(), &field, &error), error);
+  }
   /** Throws ACCESS_CONFLICT while a loaded law needs the property. */
   void RemovePhysicalProperty(const std::string& name) {
     vesper_error error{};

@@ -2,6 +2,8 @@
 #define USE_COUNT 2
 #include "test_law.h"
 
+#include <stddef.h>
+
 #define NO_NAME 1
 #define DUPLICATE_LAW 2
 #define UNKNOWN_PHASE 3
@@ -16,6 +18,8 @@
 #define SHORT_STRUCT 12
 #define NO_LAWS 13
 #define UNKNOWN_CLAIM 14
+#define FIELD_WITHOUT_FUNCTION 15
+#define NO_DEFECT_BUT_OF_CONTRACT_1_0 16
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)law;
@@ -39,8 +43,10 @@ static vesper_law_desc laws[] = {
     LAW("first", VESPER_PHASE_CONSTRAIN, 0, uses, USE_COUNT, parameters, 1, Create, Bind, Act),
     LAW("second", VESPER_PHASE_OBSERVE, 0, NULL, 0, NULL, 0, Create, Bind, Act),
 };
+static const vesper_field_desc fields[] = {
+    {sizeof(vesper_field_desc), 3, "wind", "A field.", VESPER_UNIT_ONE, NULL}};
 static vesper_law_library library = {
-    sizeof library, VESPER_ABI_VERSION, "bad_table", 2, 0, laws, NULL, NULL};
+    sizeof library, VESPER_ABI_VERSION, "bad_table", 2, 0, laws, NULL, NULL, 0, 0, NULL};
 
 const vesper_law_library* vesper_law_library_entry(void) {
   switch (DEFECT) {
@@ -57,6 +63,15 @@ const vesper_law_library* vesper_law_library_entry(void) {
     case BAD_VERSION: laws[0].version = "1.0"; break;
     case SHORT_STRUCT: laws[0].struct_size = 8; break;
     case NO_LAWS: library.law_count = 0; break;
+    case FIELD_WITHOUT_FUNCTION:
+      library.field_count = 1;
+      library.fields = fields;
+      break;
+    case NO_DEFECT_BUT_OF_CONTRACT_1_0: /* it ends where 1.0 ended: what follows is not its own */
+      library.abi_version = 1u << 16;
+      library.struct_size = offsetof(vesper_law_library, field_count);
+      library.field_count = 1;
+      break;
     case UNKNOWN_CLAIM: laws[0].claims = 1u << 30; break;
     default: break;
   }

@@ -25,7 +25,8 @@ constexpr vesper_law_desc kLaw = {sizeof(vesper_law_desc), 0, "throwing", "1.0.0
                                   VESPER_PHASE_OBSERVE, 0, 0, 0, nullptr, nullptr, 0, 0, Create,
                                   Bind, Advance, Destroy, nullptr};
 constexpr vesper_law_library kLibrary = {
-    sizeof kLibrary, VESPER_ABI_VERSION, "throwing", 1, 0, &kLaw, nullptr, nullptr};
+    sizeof kLibrary, VESPER_ABI_VERSION, "throwing", 1, 0, &kLaw, nullptr, nullptr,
+    0, 0, nullptr};
 
 }  // namespace
 

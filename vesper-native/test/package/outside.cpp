@@ -33,7 +33,8 @@ constexpr vesper_law_desc kLaws[] = {{sizeof(vesper_law_desc), VESPER_F64, "outs
                                       "Sets accelerations.", VESPER_PHASE_OBSERVE, 0, 1, 0, kUses,
                                       nullptr, 0, 0, Create, Bind, Advance, Destroy, nullptr}};
 constexpr vesper_law_library kLibrary = {
-    sizeof kLibrary, VESPER_ABI_VERSION, "outside", 1, 0, kLaws, nullptr, nullptr};
+    sizeof kLibrary, VESPER_ABI_VERSION, "outside", 1, 0, kLaws, nullptr, nullptr,
+    0, 0, nullptr};
 
 }  // namespace
 

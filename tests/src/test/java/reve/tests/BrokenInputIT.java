@@ -45,7 +45,7 @@ class BrokenInputIT {
 
             assertThat(fault(events, "text.so")).contains("not an ELF file");
             assertThat(fault(events, "no_law.so")).contains("vesper_law_library_entry");
-            assertThat(fault(events, "other_abi.so")).contains("7.3").contains("1.0");
+            assertThat(fault(events, "other_abi.so")).contains("7.3").contains("1.1");
             JsonNode nan = events.await("fault", line -> line.path("library").asString("").equals("nan_writer"));
             assertThat(nan.path("law").asString()).isEqualTo("nan_writer");
             assertThat(nan.path("property").asString()).isEqualTo("velocity");

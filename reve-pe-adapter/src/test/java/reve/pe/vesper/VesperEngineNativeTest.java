@@ -56,7 +56,7 @@ class VesperEngineNativeTest {
 
     @Test
     void theBuildIsNamed() {
-        assertThat(VesperEngine.buildInfo()).contains("contract 1.0");
+        assertThat(VesperEngine.buildInfo()).contains("contract 1.1");
     }
 
     @Test
