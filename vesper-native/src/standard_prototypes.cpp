@@ -50,6 +50,8 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Sum of all torques of the stage about the centre of mass."),
     Describe(real, 1, "body", "dragCoefficient", VESPER_UNIT_KILOGRAM_PER_METRE, VESPER_READ,
              "Force of quadratic drag per squared speed."),
+    Describe(real, 1, "body", "linearDragCoefficient", VESPER_UNIT_KILOGRAM_PER_SECOND,
+             VESPER_READ, "Force of linear drag per speed."),
 
     Refer(2, "spring", "endpoints", "body", "Rows of the two bodies it joins."),
     Describe(real, 1, "spring", "length", VESPER_UNIT_METRE, VESPER_READ, "Rest length."),
@@ -72,6 +74,12 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Uniform gravitational field."),
     Describe(real, 1, "world", "softening", VESPER_UNIT_METRE, VESPER_READ,
              "Length below which gravitation is softened."),
+    Describe(real, 1, "world", "coulombConstant", VESPER_UNIT_COULOMB_CONSTANT, VESPER_READ,
+             "Constant of Coulomb's law."),
+    Describe(real, 3, "world", "electricField", VESPER_UNIT_VOLT_PER_METRE, VESPER_READ,
+             "Uniform electric field."),
+    Describe(real, 3, "world", "magneticField", VESPER_UNIT_TESLA, VESPER_READ,
+             "Uniform magnetic flux density."),
 };
 
 template <vesper_scalar_type real>

@@ -56,6 +56,7 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"inertia", {"body", 3, "kg*m^2", VESPER_READ}},
       {"torque", {"body", 3, "N*m", kSum}},
       {"dragCoefficient", {"body", 1, "kg/m", VESPER_READ}},
+      {"linearDragCoefficient", {"body", 1, "kg/s", VESPER_READ}},
       {"endpoints", {"spring", 2, "1", VESPER_READ}},
       {"length", {"spring", 1, "m", VESPER_READ}},
       {"hookeConstant", {"spring", 1, "N/m", VESPER_READ}},
@@ -67,6 +68,9 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"gravitationalConstant", {"world", 1, "m^3/(kg*s^2)", VESPER_READ}},
       {"gravity", {"world", 3, "m/s^2", VESPER_READ}},
       {"softening", {"world", 1, "m", VESPER_READ}},
+      {"coulombConstant", {"world", 1, "N*m^2/C^2", VESPER_READ}},
+      {"electricField", {"world", 3, "V/m", VESPER_READ}},
+      {"magneticField", {"world", 3, "T", VESPER_READ}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

@@ -88,7 +88,11 @@ inline constexpr vesper_unit newton_per_metre = VESPER_UNIT_NEWTON_PER_METRE;
 inline constexpr vesper_unit newton_second_per_metre = VESPER_UNIT_NEWTON_SECOND_PER_METRE;
 inline constexpr vesper_unit kilogram_metre_squared = VESPER_UNIT_KILOGRAM_METRE_SQUARED;
 inline constexpr vesper_unit kilogram_per_metre = VESPER_UNIT_KILOGRAM_PER_METRE;
+inline constexpr vesper_unit kilogram_per_second = VESPER_UNIT_KILOGRAM_PER_SECOND;
+inline constexpr vesper_unit volt_per_metre = VESPER_UNIT_VOLT_PER_METRE;
+inline constexpr vesper_unit tesla = VESPER_UNIT_TESLA;
 inline constexpr vesper_unit gravitational_constant = VESPER_UNIT_GRAVITATIONAL_CONSTANT;
+inline constexpr vesper_unit coulomb_constant = VESPER_UNIT_COULOMB_CONSTANT;
 }  // namespace units
 
 /** Three numbers of one row, as they lie in a column of 3 components. */

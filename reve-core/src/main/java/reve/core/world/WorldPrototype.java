@@ -147,6 +147,8 @@ public final class WorldPrototype {
                 number(BODY, "torque", real, 3, "N*m", "Sum of the torques that laws applied."),
                 number(BODY, "dragCoefficient", real, 1, "kg/m",
                         "Quadratic drag: force per squared speed."),
+                number(BODY, "linearDragCoefficient", real, 1, "kg/s",
+                        "Linear drag: force per speed."),
                 number(SPRING, "springConstant", real, 1, "N/m", "Hooke's constant."),
                 number(SPRING, "length", real, 1, "m", "Rest length."),
                 number(SPRING, "dampingConstant", real, 1, "N*s/m",
@@ -161,7 +163,10 @@ public final class WorldPrototype {
                         "Newton's constant."),
                 number(WORLD, "gravity", real, 3, "m/s^2", "Uniform gravity."),
                 number(WORLD, "softening", real, 1, "m",
-                        "Length below which gravitation is softened."));
+                        "Length below which gravitation is softened."),
+                number(WORLD, "coulombConstant", real, 1, "N*m^2/C^2", "Coulomb's constant."),
+                number(WORLD, "electricField", real, 3, "V/m", "Uniform electric field."),
+                number(WORLD, "magneticField", real, 3, "T", "Uniform magnetic flux density."));
     }
 
     private static List<PropertyDescriptor> standardPhysical(ScalarType real) {

@@ -88,7 +88,7 @@ class WorldFileProblemsTest {
             kind: world                                 ! 9  ! kind: there is only one world; its properties belong under `constants`
             physics: {masss: 1}                         ! 13 ! unknown physics property `masss` of kind body; did you mean `mass`?
             physics: {springConstant: 1}                ! 13 ! unknown physics property `springConstant` of kind body; it is a property of kind spring
-            physics: {position: 1}                      ! 13 ! unknown physics property `position` of kind body; known are mass, charge, velocity, acceleration, externalForce, appliedForce, radius, angularVelocity, inertia, torque, dragCoefficient; others are declared under `properties`
+            physics: {position: 1}                      ! 13 ! unknown physics property `position` of kind body; known are mass, charge, velocity, acceleration, externalForce, appliedForce, radius, angularVelocity, inertia, torque, dragCoefficient, linearDragCoefficient; others are declared under `properties`
             physics: {velocity: 3 kg}                   ! 23 ! velocity: unit kg does not fit m/s
             physics: {velocity: 0 3 0 kg}               ! 23 ! velocity: unit kg does not fit m/s
             physics: {velocity: [0, 3]}                 ! 23 ! velocity: found 2 numbers, expected 3 numbers in m/s
