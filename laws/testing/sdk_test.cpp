@@ -104,6 +104,30 @@ TEST_F(SdkTest, LawLogsThroughTheEngine) {
   EXPECT_NE(log_[0].find("second step begins at 0.25"), std::string::npos) << log_[0];
 }
 
+TEST_F(SdkTest, LawsOfALibraryShareASuiteForEachEngine) {
+  engine_.LoadPhysicsLaw(kSuite);
+  std::vector<std::string> log;
+  PhysicsEngine other("si-f64", {.log = [&log](uint32_t, const char* line) { log.push_back(line); }});
+  other.PropertyProvider().AddPhysicalProperty("externalForce", scene_.external_force);
+  other.PropertyProvider().AddPhysicalProperty("acceleration", acceleration_);
+  other.LoadPhysicsLaw(kSuite);
+  log_.clear();
+  log.clear();
+  engine_.Advance(0.25, 2);
+  other.Advance(0.25, 2);
+  for (const auto& lines : {log_, log}) {
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_NE(lines[0].find("2 laws in the suite"), std::string::npos) << lines[0];
+  }
+}
+
+TEST_F(SdkTest, ExceptionOfJoinRefusesTheLibrary) {
+  const Error error = ErrorOf([&] { engine_.LoadPhysicsLaw(kSuite, {{"throwIn", 5.0}}); });
+  EXPECT_EQ(error.status(), VESPER_LAW_FAILED);
+  EXPECT_NE(std::string(error.what()).find("thrown by Join"), std::string::npos) << error.what();
+  engine_.LoadPhysicsLaw(kSuite);  // nothing is left of it
+}
+
 TEST_F(SdkTest, ExceptionOfALawIsItsFailureWithItsMessage) {
   const std::pair<int, std::string> cases[] = {{1, "thrown by Bind"},
                                                {2, "thrown by Advance"},

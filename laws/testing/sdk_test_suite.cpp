@@ -8,23 +8,34 @@ namespace {
 
 using namespace vesper;
 
+/** Counts the laws that joined it. */
+struct Members {
+  int count = 0;
+};
+
 /** Pushes every body along x, with `push` plus its charge times `chargePush`. */
 template <class Real>
 struct Pusher {
   static constexpr auto kName = "pusher", kVersion = "1.2.3", kDoc = "Pushes.";
   static constexpr auto kPhase = Phase::kForce;
+  using Suite = Members;
 
   Parameter push{"push", "Force.", units::newton, 2, -100, 100};
   Parameter charge_push{"chargePush", "Force per coulomb.", {{1, 1, -3, -1, 0, 0, 0}, 0, 1, "N/C"},
                         0.5, 0, 1};
-  /** 0 nowhere, 1 in Bind, 2 in Advance, 3 in ParallelFor, 4 what is no std::exception. */
-  Parameter throw_in{"throwIn", "Where to throw.", units::one, 0, 0, 4};
+  /** 0 nowhere, 1 in Bind, 2 in Advance, 3 in ParallelFor, 4 what is no std::exception, 5 in Join. */
+  Parameter throw_in{"throwIn", "Where to throw.", units::one, 0, 0, 5};
 
   OptionalRead<Real> charge{"charge", "body", units::coulomb};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
 
   auto Parameters() { return std::tie(push, charge_push, throw_in); }
   auto Properties() { return std::tie(charge, force); }
+
+  void Join(Members& members) {
+    if (throw_in.value() == 5) throw std::runtime_error("thrown by Join");
+    ++members.count;
+  }
 
   void Bind() {
     if (throw_in.value() == 1) throw std::runtime_error("thrown by Bind");
@@ -50,18 +61,28 @@ template <class Real>
 struct Reporter {
   static constexpr auto kName = "reporter", kVersion = "1.0.0", kDoc = "Reports.";
   static constexpr auto kPhase = Phase::kObserve;
+  using Suite = Members;
 
   Read<Vec3<Real>> force{"externalForce", "body", units::newton};
   Write<Vec3<Real>> acceleration{"acceleration", "body", units::metre_per_second_squared};
 
   auto Properties() { return std::tie(force, acceleration); }
 
+  void Join(Members& members) {
+    members_ = &members;
+    ++members.count;
+  }
+
   void Advance(const Step& step) {
     if (step.index == 1) {
-      step.Log(VESPER_LOG_INFO, ("second step begins at " + std::to_string(step.time)).c_str());
+      step.Log(VESPER_LOG_INFO, ("second step begins at " + std::to_string(step.time) + ", " +
+                                 std::to_string(members_->count) + " laws in the suite").c_str());
     }
     for (uint64_t i = 0; i < force.size(); ++i) acceleration[i] = force[i];
   }
+
+ private:
+  const Members* members_ = nullptr;
 };
 
 }  // namespace

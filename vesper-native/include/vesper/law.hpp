@@ -30,10 +30,13 @@
  *   auto Parameters()       std::tie of its parameters
  *   void Bind()             rebuilds what it caches: arrays are new, or were edited by the client
  *   double PotentialEnergy()  [J] of the present state
+ *   using Suite = S;        a class that the laws of the library share: one S for each engine, made
+ *   void Join(Suite&)       with S() before its laws and dropped after them; handed to each law once
+ *                           it has its parameters, in the order of the library
  *
  * The law is default-constructed once when its library is opened, to read the declarations, and
  * once for every engine that loads it. Names and docs must be string literals. An exception thrown
- * by the constructor at load, by Bind, Advance or PotentialEnergy becomes LAW_FAILED with its
+ * by the constructor or by Join at load, by Bind, Advance or PotentialEnergy becomes LAW_FAILED with its
  * what() as message.
  */
 #ifndef VESPER_LAW_HPP_
@@ -408,6 +411,17 @@ auto ParametersOf(Law& law) {
   }
 }
 
+/** The suite that a law names, or void. */
+template <class Law>
+struct SuiteOf {
+  using Type = void;
+};
+template <class Law>
+  requires requires { typename Law::Suite; }
+struct SuiteOf<Law> {
+  using Type = typename Law::Suite;
+};
+
 /** True if one of the columns in what Properties() returns is an Accumulate. */
 template <class Properties>
 inline constexpr bool kAccumulates = false;
@@ -419,12 +433,16 @@ inline constexpr bool kAccumulates<std::tuple<Columns&...>> =
 template <class Law>
 class Instance {
  public:
-  static vesper_status Create(const vesper_host* host, vesper_suite*, const double* parameters,
-                              vesper_law** out, vesper_error* error) noexcept {
+  static vesper_status Create(const vesper_host* host, [[maybe_unused]] vesper_suite* suite,
+                              const double* parameters, vesper_law** out,
+                              vesper_error* error) noexcept {
     return Guard(error, [&] {
       auto instance = std::make_unique<Instance>(*host);
       std::apply([&](auto&... parameter) { ((parameter.value_ = *parameters++), ...); },
                  ParametersOf(instance->law_));
+      if constexpr (!std::is_void_v<typename SuiteOf<Law>::Type>) {
+        instance->law_.Join(*reinterpret_cast<typename Law::Suite*>(suite));
+      }
       *out = reinterpret_cast<vesper_law*>(instance.release());
     });
   }
@@ -531,6 +549,14 @@ class Library {
     library_.name = name;
     library_.law_count = static_cast<uint32_t>(descs_.size());
     library_.laws = descs_.data();
+    if constexpr (!std::is_void_v<Suite>) {
+      library_.open = [](const vesper_host*, vesper_suite** out, vesper_error* error) noexcept {
+        return Guard(error, [&] { *out = reinterpret_cast<vesper_suite*>(new Suite()); });
+      };
+      library_.close = [](vesper_suite* suite) noexcept {
+        delete reinterpret_cast<Suite*>(suite);
+      };
+    }
   }
   Library(const Library&) = delete;
   Library& operator=(const Library&) = delete;
@@ -538,6 +564,11 @@ class Library {
   const vesper_law_library* get() const { return &library_; }
 
  private:
+  using Suite = typename SuiteOf<std::tuple_element_t<0, std::tuple<Laws<double>...>>>::Type;
+  static_assert((std::is_same_v<Suite, typename SuiteOf<Laws<float>>::Type> && ...) &&
+                    (std::is_same_v<Suite, typename SuiteOf<Laws<double>>::Type> && ...),
+                "the laws of a library share one Suite, the same in both precisions, or none");
+
   std::tuple<typename Instance<Laws<float>>::Table...> f32_;
   std::tuple<typename Instance<Laws<double>>::Table...> f64_;
   std::array<vesper_law_desc, 2 * sizeof...(Laws)> descs_ = std::apply(
