@@ -77,7 +77,7 @@ struct vesper_engine {
   std::unique_ptr<vesper::CustomProvider> custom_;  // null: arrays are registered
   vesper::ThreadPool pool_;
   std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in order of loading
-  vesper::Schedule schedule_{columns_};
+  vesper::Schedule schedule_{columns_, pool_};
   vesper_provider provider_{*this};
   mutable std::atomic<bool> busy_ = false;
   bool faulted_ = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstring>
 
 #include "converting_runner.hpp"
 #include "foreign_call.hpp"
@@ -66,11 +67,39 @@ void LawLibrary::Create(const vesper_law_library& table,
 }
 
 void LawLibrary::HostLog(void* context, uint32_t level, const char* message) {
-  const auto& library = *static_cast<const LawLibrary*>(context);
+  auto& library = *static_cast<LawLibrary*>(context);
   if (message == nullptr) return;
   char line[512];
   std::snprintf(line, sizeof line, "%s: %s", library.name_.c_str(), message);
-  library.config_.Log(level, line);
+  if (library.hold_log_) {
+    library.Hold(level, line);
+  } else {
+    library.config_.Log(level, line);
+  }
+}
+
+void LawLibrary::Hold(uint32_t level, const char* line) noexcept {
+  const size_t size = held_log_.size();
+  try {
+    held_log_.append(1, static_cast<char>(level)).append(line).append(1, '\0');
+  } catch (...) {
+    held_log_.resize(size);  // without memory for a line the law goes on without it
+  }
+}
+
+void LawLibrary::ReleaseLog() {
+  for (size_t at = 0; at < held_log_.size();) {
+    const auto level = static_cast<unsigned char>(held_log_[at++]);
+    const char* line = held_log_.c_str() + at;
+    config_.Log(level, line);
+    at += std::strlen(line) + 1;
+  }
+  DropLog();
+}
+
+void LawLibrary::DropLog() {
+  hold_log_ = false;
+  held_log_.clear();
 }
 
 void LawLibrary::HostParallelFor(void* context, uint64_t count, uint64_t grain, RangeBody body,

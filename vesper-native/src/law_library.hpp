@@ -64,6 +64,11 @@ class LawLibrary {
   /// From here on the mapped file is dropped with the library.
   void Take(vesper_prepared_library* prepared) { prepared_.reset(prepared); }
 
+  /// From now on lines that its laws log are kept, until they are released or dropped.
+  void HoldLog() { hold_log_ = true; }
+  void ReleaseLog();
+  void DropLog();
+
   vesper_library_id id() const { return id_; }
   const std::string& name() const { return name_; }
   std::vector<std::unique_ptr<LoadedLaw>>& laws() { return laws_; }
@@ -75,6 +80,7 @@ class LawLibrary {
   static void HostLog(void* context, uint32_t level, const char* message);
   static void HostParallelFor(void* context, uint64_t count, uint64_t grain, RangeBody body,
                               void* user);
+  void Hold(uint32_t level, const char* line) noexcept;
 
   vesper_library_id id_;
   std::string name_;
@@ -86,6 +92,8 @@ class LawLibrary {
   void (*close_)(vesper_suite*) = nullptr;
   std::vector<std::unique_ptr<LoadedField>> fields_;
   std::vector<std::unique_ptr<LoadedLaw>> laws_;
+  bool hold_log_ = false;
+  std::string held_log_;  // lines, each a byte for its level, text, and a zero
 };
 
 }  // namespace vesper

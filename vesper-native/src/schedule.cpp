@@ -15,21 +15,10 @@ bool SameArrays(const Targets& a, const Targets& b) {
                     });
 }
 
-/// Runs `body`; what it throws is laid at the door of the law.
-template <class Body>
-void OnBehalfOf(const ScheduledLaw& scheduled, uint32_t stage, Body&& body) {
-  try {
-    body();
-  } catch (Failure& failure) {
-    failure.Library(scheduled.library).Law(scheduled.law->index).Stage(stage);
-    throw;
-  }
-}
-
 }  // namespace
 
 void Schedule::Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries) {
-  for (auto* laws : {&force_, &integrate_, &constrain_, &observe_}) laws->clear();
+  for (PhaseLaws& phase : phases_) phase.Clear();
   stage_count_ = 1;
   accumulations_.clear();
   scratch_.clear();
@@ -37,26 +26,20 @@ void Schedule::Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries) {
     if (columns_.spec(property).IsAccumulator()) accumulations_.emplace_back(columns_, property);
   }
   for (const auto& library : libraries) {
-    for (const auto& law : library->laws()) PlanLaw({law.get(), library->id()});
+    for (const auto& law : library->laws()) PlanLaw({law.get(), library.get()});
   }
+  for (PhaseLaws& phase : phases_) phase.Plan();
   bound_generation_ = 0;
 }
 
 void Schedule::PlanLaw(const ScheduledLaw& scheduled) {
   const vesper_law_desc& desc = scheduled.law->law.desc();
-  switch (desc.phase) {
-    case VESPER_PHASE_FORCE: force_.push_back(scheduled); break;
-    case VESPER_PHASE_INTEGRATE:
-      integrate_.push_back(scheduled);
-      stage_count_ = desc.stages;
-      break;
-    case VESPER_PHASE_CONSTRAIN: constrain_.push_back(scheduled); break;
-    case VESPER_PHASE_OBSERVE: observe_.push_back(scheduled); break;
-  }
+  Phase(desc.phase).Add(scheduled);
+  if (desc.phase == VESPER_PHASE_INTEGRATE) stage_count_ = desc.stages;
   for (MatchedUse& matched : scheduled.law->uses) {
     if (matched.IsScratch()) scratch_.push_back(&matched.scratch);
     if (matched.property == kNone || matched.use->access != VESPER_ACCUMULATE) continue;
-    FindAccumulation(matched.property).AddShare(*scheduled.law, scheduled.library, matched);
+    FindAccumulation(matched.property).AddShare(*scheduled.law, scheduled.library->id(), matched);
   }
 }
 
@@ -66,17 +49,17 @@ Accumulation& Schedule::FindAccumulation(uint32_t property) {
 }
 
 void Schedule::Forget() {
-  for (auto* laws : {&force_, &integrate_, &constrain_, &observe_}) {
-    for (const ScheduledLaw& scheduled : *laws) scheduled.law->targets.clear();
+  for (const PhaseLaws& phase : phases_) {
+    for (const ScheduledLaw& scheduled : phase.laws()) scheduled.law->targets.clear();
   }
   bound_generation_ = 0;
 }
 
 void Schedule::Bind() {
   if (bound_generation_ == columns_.generation()) return;
-  for (auto* laws : {&force_, &integrate_, &constrain_, &observe_}) {
-    for (const ScheduledLaw& scheduled : *laws) {
-      OnBehalfOf(scheduled, 0, [&] { BindLaw(*scheduled.law); });
+  for (const PhaseLaws& phase : phases_) {
+    for (const ScheduledLaw& scheduled : phase.laws()) {
+      scheduled.OnBehalf(0, [&] { BindLaw(*scheduled.law); });
     }
   }
   bound_generation_ = columns_.generation();
@@ -146,22 +129,18 @@ void Schedule::RunStep(double dt, uint64_t step_index) {
   step.dt = dt;
   step.time = static_cast<double>(step_index) * dt;
   step.index = step_index;
-  Run(integrate_, step);
+  Run(VESPER_PHASE_INTEGRATE, step);
   for (step.stage = 1; step.stage <= stage_count_; ++step.stage) {
-    Run(force_, step);
+    Run(VESPER_PHASE_FORCE, step);
     SumShares(step.stage);
-    Run(integrate_, step);
+    Run(VESPER_PHASE_INTEGRATE, step);
   }
   step.stage = stage_count_;
-  Run(constrain_, step);
-  Run(observe_, step);
+  Run(VESPER_PHASE_CONSTRAIN, step);
+  Run(VESPER_PHASE_OBSERVE, step);
 }
 
-void Schedule::Run(const std::vector<ScheduledLaw>& laws, const vesper_step& step) {
-  for (const ScheduledLaw& scheduled : laws) {
-    OnBehalfOf(scheduled, step.stage, [&] { scheduled.law->runner->Advance(step); });
-  }
-}
+void Schedule::Run(vesper_phase phase, const vesper_step& step) { Phase(phase).Run(pool_, step); }
 
 void Schedule::SumShares(uint32_t stage) {
   for (const Accumulation& accumulation : accumulations_) {

@@ -1,26 +1,24 @@
 // Which law runs when, on which arrays: one step of the simulation.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <vector>
 
 #include "accumulation.hpp"
 #include "columns.hpp"
 #include "law_library.hpp"
+#include "phase_laws.hpp"
+#include "thread_pool.hpp"
 
 namespace vesper {
 
-/// A law and the library to blame for it.
-struct ScheduledLaw {
-  LoadedLaw* law;
-  vesper_library_id library;
-};
-
 class Schedule {
  public:
-  explicit Schedule(Columns& columns) : columns_(columns) {}
+  Schedule(Columns& columns, ThreadPool& pool) : columns_(columns), pool_(pool) {}
 
-  /// Takes over which laws there are. Their order in time is phase, then order of loading.
+  /// Takes over which laws there are. Their order in time is phase, then order of loading; see
+  /// PhaseLaws for those that run at the same time.
   void Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries);
   /// Lets every law see its arrays again at the next Bind, changed or not.
   void Forget();
@@ -39,11 +37,13 @@ class Schedule {
   void BindLaw(LoadedLaw& law);
   vesper_property ScratchTarget(MatchedUse& matched, vesper_property target) const;
   vesper_property Target(const LoadedLaw& law, MatchedUse& matched);
-  void Run(const std::vector<ScheduledLaw>& laws, const vesper_step& step);
+  PhaseLaws& Phase(vesper_phase phase) { return phases_[phase - VESPER_PHASE_FORCE]; }
+  void Run(vesper_phase phase, const vesper_step& step);
   void SumShares(uint32_t stage);
 
   Columns& columns_;
-  std::vector<ScheduledLaw> force_, integrate_, constrain_, observe_;
+  ThreadPool& pool_;
+  std::array<PhaseLaws, VESPER_PHASE_OBSERVE> phases_;
   std::vector<ScratchColumn*> scratch_;
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype

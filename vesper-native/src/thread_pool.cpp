@@ -17,9 +17,25 @@ constexpr size_t kMaxThreads = 256;  // of one process, at least what a config m
 
 uint64_t ChooseGrain(uint64_t count) { return std::max(kMinGrain, count / kMaxChunks + 1); }
 
+/// Lets `loop` call its argument, which is run(i), on the threads of `arena`.
+template <class Run, class Loop>
+void Fork(tbb::task_arena& arena, const Run& run, const Loop& loop) {
+  char fork = 0, join = 0;  // two points in time, for the thread sanitizer
+  ComesBefore(&fork);
+  arena.execute([&] {
+    loop([&](uint64_t i) {
+      ComesAfter(&fork);
+      const FloatingPointGuard guard;
+      run(i);
+      ComesBefore(&join);
+    });
+  });
+  ComesAfter(&join);
+}
+
 }  // namespace
 
-ThreadPool::ThreadPool(uint32_t threads) {
+ThreadPool::ThreadPool(uint32_t threads) : threads_(threads) {
   if (threads == 1) return;
   // TBB would quietly stop at the number of cores, or at what the first arena asked for.
   static const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, kMaxThreads);
@@ -38,17 +54,22 @@ void ThreadPool::ParallelFor(uint64_t count, uint64_t grain, RangeBody body, voi
     for (uint64_t chunk = 0; chunk < chunks; ++chunk) run(chunk);
     return;
   }
-  char fork = 0, join = 0;  // two points in time, for the thread sanitizer
-  ComesBefore(&fork);
-  arena_->execute([&] {
-    tbb::parallel_for(uint64_t{0}, chunks, [&](uint64_t chunk) {
-      ComesAfter(&fork);
-      const FloatingPointGuard guard;
-      run(chunk);
-      ComesBefore(&join);
-    });
+  Fork(*arena_, run, [chunks](const auto& each) {
+    // While it waits for its last rows, a law must not be kept under another law that its thread
+    // took up meanwhile.
+    tbb::this_task_arena::isolate([&] { tbb::parallel_for(uint64_t{0}, chunks, each); });
   });
-  ComesAfter(&join);
+}
+
+void ThreadPool::RunEach(uint64_t count, void (*body)(void* user, uint64_t i), void* user) {
+  const auto run = [=](uint64_t i) { body(user, i); };
+  if (!arena_ || count == 1) {
+    for (uint64_t i = 0; i < count; ++i) run(i);
+    return;
+  }
+  Fork(*arena_, run, [count](const auto& each) {
+    tbb::parallel_for(uint64_t{0}, count, each, tbb::simple_partitioner());  // a task for each
+  });
 }
 
 }  // namespace vesper

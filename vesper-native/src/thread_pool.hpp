@@ -1,4 +1,4 @@
-// The threads that laws share through their host.
+// The threads that laws run on, and share through their host.
 #pragma once
 
 #include <oneapi/tbb/task_arena.h>
@@ -16,11 +16,23 @@ class ThreadPool {
   /// `threads` counts the caller's.
   explicit ThreadPool(uint32_t threads);
 
+  uint32_t threads() const { return threads_; }
+
   /// Calls `body` for chunks of `grain` that cover [0, count), whose borders depend on nothing
   /// else. `grain` 0: chosen from `count` alone. Returns when all are done.
   void ParallelFor(uint64_t count, uint64_t grain, RangeBody body, void* user);
 
+  /// Calls body(i) for every i below `count`, perhaps at the same time, and returns when all are
+  /// done. Meant for few and large bodies, which may call ParallelFor themselves.
+  template <class Body>
+  void ForEach(uint64_t count, Body& body) {
+    RunEach(count, [](void* user, uint64_t i) { (*static_cast<Body*>(user))(i); }, &body);
+  }
+
  private:
+  void RunEach(uint64_t count, void (*body)(void* user, uint64_t i), void* user);
+
+  uint32_t threads_;
   std::optional<tbb::task_arena> arena_;  // none with one thread
 };
 

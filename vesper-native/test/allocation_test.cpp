@@ -26,9 +26,10 @@ namespace {
 class AllocationTest : public BothModes {};
 IN_BOTH_MODES(AllocationTest);
 
-TEST_P(AllocationTest, AdvanceAllocatesNothingOnceBound) {
+/// Of a step, on that many threads, once all is bound.
+void ExpectNoAllocations(const EngineOptions& options) {
   Bodies bodies(3000);
-  TestEngine engine(Options());
+  TestEngine engine(options);
   const uint64_t start = allocations;
   engine.AddBodies(bodies);
   EXPECT_OK(engine.Add("appliedForce", bodies.applied, 3));
@@ -41,6 +42,12 @@ TEST_P(AllocationTest, AdvanceAllocatesNothingOnceBound) {
   const vesper_status status = vesper_engine_advance(engine.get(), 0.01, 50, nullptr);
   EXPECT_EQ(allocations, bound);
   EXPECT_EQ(status, VESPER_OK);
+}
+
+TEST_P(AllocationTest, AdvanceAllocatesNothingOnceBound) { ExpectNoAllocations(Options()); }
+
+TEST_P(AllocationTest, AdvanceWithLawsAtTheSameTimeAllocatesNothingOnceBound) {
+  ExpectNoAllocations({.validate = GetParam(), .threads = 2});
 }
 
 }  // namespace

@@ -64,7 +64,8 @@ typedef struct vesper_provider_callbacks {
 /** How an engine is made. Start with `vesper_engine_config_init`. */
 typedef struct vesper_engine_config {
   uint32_t struct_size;
-  uint32_t threads;         /**< Threads of `parallel_for`, the caller's included; default 1. */
+  uint32_t threads;         /**< For laws that run at the same time, and for `parallel_for`; the
+                                 caller's included, idle ones sleep; default 1. */
   uint32_t validate;        /**< 1: laws run on guarded copies and are held to their declaration. */
   uint32_t probe_timeout_ms;/**< For the throw-away probe of a library; default 5000. */
   const char* law_path;     /**< Folders searched for bare law names, separated by ':'. */
@@ -89,7 +90,8 @@ typedef struct vesper_law_info {
   const vesper_property_use* uses;
   const vesper_parameter_desc* parameters;
   uint64_t calls;       /**< Of its `advance`, since it was loaded. */
-  uint64_t nanoseconds; /**< Spent in these calls, wall clock; for people, never for the world. */
+  uint64_t nanoseconds; /**< Spent in these calls, wall clock, that of laws at the same time counted
+                             for each; for people, never for the world. */
 } vesper_law_info;
 
 /** One row of the layout table: how this build lays out the structs of the contract. */

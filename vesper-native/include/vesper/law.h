@@ -6,6 +6,11 @@
  * evolves: what evolves is a property. Private memory may only cache what `create` and `bind` can
  * rebuild, so that snapshot, rollback, replay and hot unload need no code of the law.
  *
+ * Laws of different libraries that do not collide (neither writes what the other reads or writes;
+ * both may accumulate) run at the same time where the engine has threads; laws of one library never
+ * do, so that a suite needs no locks. What comes out is the same as if they ran one after the other
+ * in order of loading, whatever the number of threads.
+ *
  * Rules of the house: no threads, no signals, no exit or abort, no exception across the boundary,
  * no change of floating-point modes that outlives a call. Rows `[0, row_count)` only. Same inputs,
  * same bits: sums in a fixed order, whatever the number of threads.
@@ -35,7 +40,8 @@ typedef struct vesper_host {
   uint32_t struct_size;
   uint32_t reserved;
   void* context; /**< Hand back as first argument. */
-  /** Writes one line to the engine's log. Advance thread only. */
+  /** Writes one line to the engine's log: on the thread that called the law, not within
+   *  `parallel_for`. The client receives lines in order of loading, on its own thread. */
   void (*log)(void* context, uint32_t level, const char* message);
   /** Calls `body(user, begin, end)` for disjoint ranges that cover [0, count), perhaps at the same
    *  time, and returns when all are done. Ranges are `grain` long (the last may be shorter) and do

@@ -166,7 +166,7 @@ class LoadedPrototype {
 
 /** How an engine is made; what is left out has the engine's default. */
 struct EngineConfig {
-  /** Threads of parallel_for, the caller's included. */
+  /** For laws that run at the same time, and for parallel_for; the caller's included. */
   uint32_t threads = 1;
   /** Laws run on guarded copies and are held to their declaration. */
   bool validate = false;

@@ -1,4 +1,5 @@
-/* A force that depends on position in a way that rounds, computed through parallel_for. */
+/* A force that depends on position in a way that rounds, computed through parallel_for. NAME and
+ * GRAIN vary. */
 #define USE_COUNT 2
 #include "test_law.h"
 
@@ -25,5 +26,5 @@ static const vesper_property_use kUses[] = {
     REAL_USE("externalForce", 3, VESPER_ACCUMULATE, VESPER_UNIT_NEWTON),
 };
 static const vesper_law_desc kLaws[] = {
-    LAW("field", VESPER_PHASE_FORCE, 0, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
-LIBRARY("field", kLaws, NULL, NULL)
+    LAW(NAME, VESPER_PHASE_FORCE, 0, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
+LIBRARY(NAME, kLaws, NULL, NULL)

@@ -1,0 +1,106 @@
+#include "phase_laws.hpp"
+
+#include <algorithm>
+
+#include "prototype.hpp"
+
+namespace vesper {
+namespace {
+
+/// Reading together is fine, and so is accumulating: each law then has a sum of its own.
+bool Collide(const MatchedUse& a, const MatchedUse& b) {
+  if (a.property == kNone || a.property != b.property) return false;
+  return a.use->access != b.use->access || (a.use->access & VESPER_WRITE) != 0;
+}
+
+bool Collide(const ScheduledLaw& a, const ScheduledLaw& b) {
+  if (a.library == b.library) return true;
+  return std::any_of(a.law->uses.begin(), a.law->uses.end(), [&](const MatchedUse& of_a) {
+    return std::any_of(b.law->uses.begin(), b.law->uses.end(),
+                       [&](const MatchedUse& of_b) { return Collide(of_a, of_b); });
+  });
+}
+
+void RunLaw(const ScheduledLaw& scheduled, const vesper_step& step) {
+  scheduled.OnBehalf(step.stage, [&] { scheduled.law->runner->Advance(step); });
+}
+
+}  // namespace
+
+void PhaseLaws::Clear() {
+  laws_.clear();
+  waves_.clear();
+}
+
+void PhaseLaws::Add(const ScheduledLaw& added) { laws_.push_back(added); }
+
+void PhaseLaws::Plan() {
+  waves_.clear();
+  std::vector<size_t> wave_of;
+  for (uint32_t i = 0; i < laws_.size(); ++i) {
+    size_t wave = 0;
+    for (uint32_t earlier = 0; earlier < i; ++earlier) {
+      if (Collide(laws_[earlier], laws_[i])) wave = std::max(wave, wave_of[earlier] + 1);
+    }
+    wave_of.push_back(wave);
+    if (wave == waves_.size()) waves_.emplace_back();
+    waves_[wave].push_back(i);
+  }
+  failures_.assign(laws_.size(), nullptr);
+}
+
+void PhaseLaws::Run(ThreadPool& pool, const vesper_step& step) {
+  const bool together = pool.threads() > 1 && waves_.size() < laws_.size();
+  if (together) {
+    RunInWaves(pool, step);
+  } else {
+    RunInOrder(step);
+  }
+}
+
+void PhaseLaws::RunInOrder(const vesper_step& step) {
+  for (const ScheduledLaw& scheduled : laws_) RunLaw(scheduled, step);
+}
+
+void PhaseLaws::RunInWaves(ThreadPool& pool, const vesper_step& step) {
+  for (const ScheduledLaw& scheduled : laws_) scheduled.library->HoldLog();
+  first_failed_ = static_cast<uint32_t>(laws_.size());
+  for (const std::vector<uint32_t>& wave : waves_) RunWave(wave, pool, step);
+  ReleaseLogs();
+  if (first_failed_ == laws_.size()) return;
+  const std::exception_ptr failure = failures_[first_failed_];
+  std::fill(failures_.begin(), failures_.end(), nullptr);
+  std::rethrow_exception(failure);
+}
+
+/// After a failure, laws that come later in order of loading are left out; earlier ones may stand
+/// in a later wave, and fail too.
+void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool,
+                        const vesper_step& step) {
+  auto run = [&](uint64_t i) {
+    const uint32_t place = wave[i];
+    if (place > first_failed_) return;
+    try {
+      RunLaw(laws_[place], step);
+    } catch (...) {
+      failures_[place] = std::current_exception();
+    }
+  };
+  pool.ForEach(wave.size(), run);
+  for (const uint32_t place : wave) {
+    if (failures_[place] != nullptr) first_failed_ = std::min(first_failed_, place);
+  }
+}
+
+/// Lines of laws that would not have run if one had come after the other are dropped.
+void PhaseLaws::ReleaseLogs() {
+  for (uint32_t place = 0; place < laws_.size(); ++place) {
+    if (place <= first_failed_) {
+      laws_[place].library->ReleaseLog();
+    } else {
+      laws_[place].library->DropLog();
+    }
+  }
+}
+
+}  // namespace vesper
