@@ -11,7 +11,10 @@
 namespace vesper {
 namespace {
 
-const std::string kOrientation = "orientation";
+const std::string kOrientation = "orientation", kPosition = "position";
+
+/// Half the side of the box that holds the bodies [m], about one per cubic metre.
+double ReachOf(uint64_t bodies) { return std::max(2.0, std::cbrt(static_cast<double>(bodies)) / 2); }
 
 void Normalise(AnyColumn& column, uint64_t row) {
   const uint32_t n = column.descriptor().components;
@@ -77,11 +80,26 @@ World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_de
   }
 }
 
+// Each body within a metre of the one before it in every direction: what refers to neighbouring rows
+// is then as small as lengths and radii are.
+void World::Place(AnyColumn& column, const std::function<double(double, double)>& draw) {
+  const double reach = ReachOf(column.rows());
+  Vec3<double> at{draw(-reach, reach), draw(-reach, reach), draw(-reach, reach)};
+  const auto next = [&](double x) {
+    const double to = x + draw(-1, 1);
+    return std::abs(to) > reach ? 2 * x - to : to;
+  };
+  for (uint64_t row = 0; row < column.rows(); ++row) {
+    column.SetVector(row, at);
+    at = {next(at.x), next(at.y), next(at.z)};
+  }
+}
+
 void World::Fill(AnyColumn& column, const std::function<double(double, double)>& draw) {
   const vesper_property_descriptor& property = column.descriptor();
   // The engine fills sums, and scratch starts at zero.
   if ((property.law_access & (VESPER_ACCUMULATE | VESPER_SCRATCH)) != 0) return;
-  const double reach = property.name == std::string("position") ? 10 : 1;
+  if (property.name == kPosition) return Place(column, draw);
   for (uint64_t row = 0; row < column.rows(); ++row) {
     // Neighbours, so that the rows that one refers to differ.
     auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
@@ -90,7 +108,7 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
       if (property.refers_to != nullptr) {
         column.Set(value, static_cast<double>(reference++ % column.rows()));
       } else if (column.is_vector()) {
-        column.Set(value, draw(-reach, reach));
+        column.Set(value, draw(-1, 1));
       } else {
         column.Set(value, draw(0.5, 2));
       }
@@ -116,7 +134,7 @@ void World::Clear(const std::string& name) {
 }
 
 void World::Translate(const Vec3<double>& by) {
-  AnyColumn& position = (*this)["position"];
+  AnyColumn& position = (*this)[kPosition];
   for (uint64_t row = 0; row < position.rows(); ++row) {
     position.SetVector(row, position.GetVector(row) + by);
   }

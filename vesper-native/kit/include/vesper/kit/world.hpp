@@ -22,8 +22,9 @@ struct Quaternion {
 class World {
  public:
   /// A column for every property of the standard prototype, and for those that only the laws know,
-  /// whose tables must stay loaded. `rows` of every kind but `world`, which has one (none if `rows` is 0). References name two
-  /// different rows where there are two; masses and the like are above zero.
+  /// whose tables must stay loaded. `rows` of every kind but `world`, which has one (none if `rows`
+  /// is 0). References name neighbouring rows, which lie near each other; masses and the like are
+  /// above zero.
   World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
         uint64_t rows, uint32_t seed);
 
@@ -47,6 +48,7 @@ class World {
   PhysicsEngine MakeEngine(const std::string& library, uint32_t threads = 1, bool validate = true);
 
  private:
+  void Place(AnyColumn& column, const std::function<double(double, double)>& draw);
   void Fill(AnyColumn& column, const std::function<double(double, double)>& draw);
 
   vesper_prototype prototype_;
