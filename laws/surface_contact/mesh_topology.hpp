@@ -1,0 +1,71 @@
+// Which surfaces hang together, and in what order the law looks at them.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace vesper::surface_contact {
+
+inline constexpr uint32_t kNone = UINT32_MAX;
+
+/// Rows of the three bodies that span a surface.
+using Vertices = std::array<uint32_t, 3>;
+
+/// Up to kPatchFaces neighbouring faces of one mesh, or one body that no surface holds.
+struct Patch {
+  uint32_t mesh;                       // kNone: a loose body
+  uint32_t first_face, face_count;     // in MeshTopology::faces
+  uint32_t first_corner, corner_count; // in MeshTopology::corners
+  uint32_t own_count;                  // of the corners: the first ones; each body is owned once
+};
+
+/** A mesh is what surfaces make that share bodies. An edge is inner if exactly two surfaces share
+ *  it, in opposite directions; a body at which a surface has another edge lies on a border. */
+class MeshTopology {
+ public:
+  static constexpr uint32_t kPatchFaces = 32;
+
+  /// Allocates; time grows with n log n.
+  void Build(std::span<const Vertices> surfaces, uint64_t bodies);
+
+  std::span<const Patch> patches() const { return patches_; }
+  /// Rows of surfaces.
+  std::span<const uint32_t> FacesOf(const Patch& patch) const {
+    return std::span(faces_).subspan(patch.first_face, patch.face_count);
+  }
+  /// Rows of bodies.
+  std::span<const uint32_t> CornersOf(const Patch& patch) const {
+    return std::span(corners_).subspan(patch.first_corner, patch.corner_count);
+  }
+  /// The corners that this patch answers for.
+  std::span<const uint32_t> PointsOf(const Patch& patch) const {
+    return std::span(corners_).subspan(patch.first_corner, patch.own_count);
+  }
+  /// The surface behind the edge from corner `edge` to the next, or kNone at a border.
+  uint32_t Neighbour(uint32_t surface, uint32_t edge) const { return neighbours_[surface][edge]; }
+  bool OnBorder(uint32_t body) const { return on_border_[body]; }
+  /// Surfaces that hold the body, in the order of their rows.
+  std::span<const uint32_t> Around(uint32_t body) const {
+    return std::span(around_).subspan(first_around_[body],
+                                      first_around_[body + 1] - first_around_[body]);
+  }
+
+ private:
+  void FindNeighbours(std::span<const Vertices> surfaces);
+  void ListAround(std::span<const Vertices> surfaces);
+  void CutIntoPatches(std::span<const Vertices> surfaces);
+  void AddPatch(uint32_t mesh, uint32_t first_face, std::span<const Vertices> surfaces);
+
+  std::vector<Patch> patches_;
+  std::vector<uint32_t> faces_;
+  std::vector<uint32_t> corners_;
+  std::vector<Vertices> neighbours_;    // (surfaces x 3 edges)
+  std::vector<char> on_border_;         // (bodies)
+  std::vector<uint32_t> first_around_;  // (bodies + 1)
+  std::vector<uint32_t> around_;
+  std::vector<char> owned_;             // (bodies)
+};
+
+}  // namespace vesper::surface_contact

@@ -1,0 +1,150 @@
+// The broad phase: which boxes may overlap.
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "vesper/law.hpp"
+
+namespace vesper::surface_contact {
+
+template <class Real>
+struct Box {
+  static constexpr Real kEnd = std::numeric_limits<Real>::max();
+  Vec3<Real> low{kEnd, kEnd, kEnd}, high{-kEnd, -kEnd, -kEnd};
+
+  void Include(Vec3<Real> p) {
+    low = {std::min(low.x, p.x), std::min(low.y, p.y), std::min(low.z, p.z)};
+    high = {std::max(high.x, p.x), std::max(high.y, p.y), std::max(high.z, p.z)};
+  }
+  Box Grown(Real by) const {
+    const Vec3<Real> all{by, by, by};
+    return {low - all, high + all};
+  }
+  bool Contains(Vec3<Real> p) const {
+    return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z &&
+           p.z <= high.z;
+  }
+  bool Overlaps(const Box& other) const {
+    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
+           other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
+  }
+  Real Size() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
+  Vec3<Real> Centre() const { return low * Real(0.5) + high * Real(0.5); }
+};
+
+/** A uniform grid of cells that are found by a hash of their coordinates (M. Teschner et al.,
+ *  Optimized Spatial Hashing for Collision Detection of Deformable Objects, 2003). A box lies in the cell of its
+ *  centre. Cells are twice the size of the median box; what is larger than a cell is kept in a list
+ *  that everybody looks through. */
+template <class Real>
+class PatchGrid {
+ public:
+  /// Makes room for so many boxes.
+  void Reserve(size_t members) {
+    sizes_.reserve(members);
+    large_.reserve(members);
+    small_.reserve(members);
+    entries_.resize(members);
+    start_.resize(std::bit_ceil(2 * members + 1) + 1);
+  }
+
+  /// `members` are indices of `boxes`, whose sizes must be finite; both are borrowed until the next
+  /// Build.
+  void Build(std::span<const Box<Real>> boxes, std::span<const uint32_t> members) {
+    large_.clear();
+    small_.clear();
+    std::ranges::fill(start_, 0);
+    if (members.empty()) return;
+    cell_ = ChooseCell(boxes, members);
+    for (const uint32_t member : members) {
+      if (boxes[member].Size() > cell_) {
+        large_.push_back(member);
+      } else {
+        small_.push_back({member, CellOf(boxes[member].Centre())});
+        ++start_[Hash(small_.back().cell) + 1];
+      }
+    }
+    std::partial_sum(start_.begin(), start_.end(), start_.begin());
+    for (const Entry& entry : small_) entries_[start_[Hash(entry.cell)]++] = entry;
+    // Filling moved each start to the start of the next bucket.
+    std::shift_right(start_.begin(), start_.end(), 1);
+    start_[0] = 0;
+  }
+
+  /// Calls visit(member) once for each member whose box may overlap `box`, perhaps for others.
+  template <class Visit>
+  void Query(const Box<Real>& box, Visit&& visit) const {
+    for (const uint32_t member : large_) visit(member);
+    if (small_.empty()) return;
+    const Box<Real> centres = box.Grown(cell_ / 2);
+    const Cell low = CellOf(centres.low), high = CellOf(centres.high);
+    const double cells = (double(high.x) - low.x + 1) * (double(high.y) - low.y + 1) *
+                         (double(high.z) - low.z + 1);
+    if (cells > static_cast<double>(small_.size())) {
+      for (const Entry& entry : small_) visit(entry.member);
+      return;
+    }
+    for (int32_t z = low.z; z <= high.z; ++z) {
+      for (int32_t y = low.y; y <= high.y; ++y) {
+        for (int32_t x = low.x; x <= high.x; ++x) VisitCell({x, y, z}, visit);
+      }
+    }
+  }
+
+ private:
+  struct Cell {
+    int32_t x, y, z;
+    bool operator==(const Cell&) const = default;
+  };
+  struct Entry {
+    uint32_t member;
+    Cell cell;
+  };
+
+  template <class Visit>
+  void VisitCell(Cell cell, Visit&& visit) const {
+    const uint32_t bucket = Hash(cell);
+    for (uint32_t i = start_[bucket]; i < start_[bucket + 1]; ++i) {
+      if (entries_[i].cell == cell) visit(entries_[i].member);
+    }
+  }
+
+  Real ChooseCell(std::span<const Box<Real>> boxes, std::span<const uint32_t> members) {
+    sizes_.clear();
+    for (const uint32_t member : members) sizes_.push_back(boxes[member].Size());
+    const auto middle = sizes_.begin() + static_cast<ptrdiff_t>(sizes_.size() / 2);
+    std::nth_element(sizes_.begin(), middle, sizes_.end());
+    return 2 * *middle;
+  }
+
+  Cell CellOf(Vec3<Real> p) const {
+    const auto coordinate = [&](Real value) {
+      constexpr Real kFar = 1 << 30;
+      return static_cast<int32_t>(std::clamp(std::floor(value / cell_), -kFar, kFar));
+    };
+    return {coordinate(p.x), coordinate(p.y), coordinate(p.z)};
+  }
+
+  uint32_t Hash(Cell cell) const {
+    const uint32_t mixed = static_cast<uint32_t>(cell.x) * 73856093u ^
+                           static_cast<uint32_t>(cell.y) * 19349663u ^
+                           static_cast<uint32_t>(cell.z) * 83492791u;
+    return mixed & static_cast<uint32_t>(start_.size() - 2);
+  }
+
+  Real cell_ = 1;
+  std::vector<Real> sizes_;
+  std::vector<uint32_t> large_;
+  std::vector<Entry> small_;     // in the order of members
+  std::vector<Entry> entries_;   // bucket by bucket
+  std::vector<uint32_t> start_;  // (buckets + 1), where each begins
+};
+
+}  // namespace vesper::surface_contact
