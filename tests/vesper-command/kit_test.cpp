@@ -9,11 +9,11 @@
 namespace vesper {
 namespace {
 
-const std::string kBroken = BROKEN_LAWS;
-
-std::string BrokenLaw(const std::string& fault) {
-  return kBroken + "/libvesper_law_broken_" + fault + ".so";
+std::string TestedLaw(const std::string& name) {
+  return std::string(TESTED_LAWS) + "/libvesper_law_" + name + ".so";
 }
+
+std::string BrokenLaw(const std::string& fault) { return TestedLaw("broken_" + fault); }
 
 /// Checks with that verdict, "check" or "check f64", and their notes.
 std::map<std::string, std::string> Verdicts(const nlohmann::json& report, const char* verdict) {
@@ -57,6 +57,7 @@ INSTANTIATE_TEST_SUITE_P(
         Fault{"angular_momentum", "angular-momentum f32", "moments sum to "},
         Fault{"translation", "translation f64", "'externalForce' differs in row 0"},
         Fault{"rotation", "rotation f32", "'externalForce' differs in row 0"},
+        Fault{"place", "translation f64", "'externalForce' differs in row 0"},
         Fault{"energy", "potential-energy f64", "but the energy falls by"},
         Fault{"leak", "reload f64", "leaves open files"},
         Fault{"motion", "convergence f64", "expected at least order 1"}));
@@ -96,6 +97,21 @@ TEST(KitTest, GoodLawsPassAndTheReportSaysSo) {
                            "hooke_spring", "ns per row"}) {
     EXPECT_NE(outcome.output.find(part), std::string::npos) << part;
   }
+}
+
+TEST(KitTest, LawsOfFieldsAreHeldToTheirWordOnAFieldThatMovesWithTheWorld) {
+  const Outcome outcome = RunVesper({"test", TestedLaw("windblown"), "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
+  const auto passed = Verdicts(nlohmann::json::parse(outcome.output), "PASS");
+  for (const char* check : {"guard-pages f64", "rows f32", "translation f64", "translation f32",
+                            "rotation f64", "rotation f32", "not-a-number f64"}) {
+    EXPECT_TRUE(passed.contains(check)) << check;
+  }
+}
+
+TEST(KitTest, FieldThatTheLibraryBringsIsTheOneThatItsLawsRead) {
+  const Outcome outcome = RunVesper({"test", TestedLaw("gusty")});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.output;
 }
 
 TEST(KitTest, LibraryThatExportsMoreIsTold) {

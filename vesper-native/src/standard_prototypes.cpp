@@ -80,6 +80,8 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Uniform electric field."),
     Describe(real, 3, "world", "magneticField", VESPER_UNIT_TESLA, VESPER_READ,
              "Uniform magnetic flux density."),
+    Describe(VESPER_FIELD, 3, "world", "forceField", VESPER_UNIT_NEWTON, VESPER_READ,
+             "Force on any body at a place."),
 };
 
 template <vesper_scalar_type real>

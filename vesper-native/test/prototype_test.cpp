@@ -27,6 +27,8 @@ TEST(PrototypeTest, StandardPrototypesDifferInPrecisionOnly) {
     if (a.scalar_type == VESPER_U32) {
       EXPECT_EQ(b.scalar_type, VESPER_U32) << a.name;
       EXPECT_STREQ(a.refers_to, "body") << a.name;
+    } else if (a.scalar_type == VESPER_FIELD) {
+      EXPECT_EQ(b.scalar_type, VESPER_FIELD) << a.name;
     } else {
       EXPECT_EQ(a.scalar_type, VESPER_F64) << a.name;
       EXPECT_EQ(b.scalar_type, VESPER_F32) << a.name;
@@ -71,6 +73,7 @@ TEST(PrototypeTest, StandardPropertiesAreThoseOfTheContract) {
       {"coulombConstant", {"world", 1, "N*m^2/C^2", VESPER_READ}},
       {"electricField", {"world", 3, "V/m", VESPER_READ}},
       {"magneticField", {"world", 3, "T", VESPER_READ}},
+      {"forceField", {"world", 3, "N", VESPER_READ}},
   };
   const vesper_prototype* prototype = vesper_prototype_standard("si-f64");
   ASSERT_EQ(prototype->property_count, expected.size());

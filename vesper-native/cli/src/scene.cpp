@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <ranges>
 #include <span>
 
 #include "generators.hpp"
@@ -64,8 +65,10 @@ class SceneParser {
     Keep(word, std::move(column));
   }
 
-  std::span<const vesper_property_descriptor> Properties() const {
-    return {scene_.prototype->properties, scene_.prototype->property_count};
+  /// What a scene can give values for: fields are functions, which law libraries bring.
+  auto Properties() const {
+    return std::span(scene_.prototype->properties, scene_.prototype->property_count) |
+           std::views::filter([](const auto& p) { return p.scalar_type != VESPER_FIELD; });
   }
 
   std::vector<const vesper_property_descriptor*> PropertiesOf(const std::string& kind) const {

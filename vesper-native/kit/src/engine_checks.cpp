@@ -117,7 +117,7 @@ std::string CheckNotANumber(const Subject& of) {
   const LawsUnderTest subject(of);
   int inputs = 0, reported = 0;
   for (const vesper_property_use& use : subject.Uses()) {
-    if ((use.access & VESPER_READ) == 0) continue;
+    if ((use.access & VESPER_READ) == 0 || use.scalar_type == VESPER_FIELD) continue;
     World clean = subject.MakeWorld(7), poisoned = subject.MakeWorld(7);
     AnyColumn& input = poisoned[use.name];
     if (!input.is_real()) continue;

@@ -76,6 +76,7 @@ void RunGuarded(const vesper_law_desc& desc, World& world, Side side) {
   std::vector<vesper_property> properties = world.PropertiesFor(desc);
   std::vector<std::unique_ptr<GuardedArray>> arrays;
   for (vesper_property& property : properties) {
+    if (property.scalar_type == VESPER_FIELD) continue;
     arrays.push_back(
         std::make_unique<GuardedArray>(world[property.name], property.access, side));
     property.data = arrays.back()->data();

@@ -76,6 +76,11 @@ std::vector<const vesper_law_desc*> LawFile::Laws(vesper_scalar_type real_type) 
   return laws;
 }
 
+std::span<const vesper_field_desc> LawFile::Fields() const {
+  if (table_->struct_size < sizeof *table_) return {};  // of contract 1.0
+  return {table_->fields, table_->field_count};
+}
+
 std::vector<LawFile::Symbol> LawFile::DynamicSymbols() const {
   const std::string elf = ReadFile(path_);
   std::vector<Symbol> symbols;

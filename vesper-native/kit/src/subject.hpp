@@ -24,7 +24,9 @@ class LawsUnderTest {
   vesper_scalar_type real_type() const { return real_type_; }
   const std::vector<const vesper_law_desc*>& laws() const { return laws_; }
 
-  World MakeWorld(uint64_t rows) const { return World(real_type_, laws_, rows, kSeed); }
+  World MakeWorld(uint64_t rows) const {
+    return World(real_type_, laws_, library_.Fields(), rows, kSeed);
+  }
   /// Skips the check unless all laws of the library make the claim.
   void RequireClaim(uint32_t claim) const;
   /// Of sums over some hundred numbers of that size.

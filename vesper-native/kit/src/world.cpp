@@ -25,11 +25,6 @@ void Normalise(AnyColumn& column, uint64_t row) {
   }
 }
 
-Vec3<double> Rotated(const Vec3<double>& x, const Quaternion& by) {
-  const Vec3<double> t = Cross(by.v, x) * 2.0;
-  return x + t * by.w + Cross(by.v, t);
-}
-
 const vesper_prototype& PrototypeOf(vesper_scalar_type real_type) {
   return StandardPrototype(real_type == VESPER_F64 ? "si-f64" : "si-f32");
 }
@@ -39,10 +34,15 @@ bool IsScratch(const vesper_property_descriptor& property) {
   return property.law_access == VESPER_SCRATCH;
 }
 
-/// Of the prototype, then of the properties that only the laws know: what they declare. Scratch is
-/// last.
+bool IsField(const vesper_property_descriptor& property) {
+  return property.scalar_type == VESPER_FIELD;
+}
+
+/// Of the prototype, then of the properties that only the library knows: what it declares. Scratch
+/// is last.
 std::vector<vesper_property_descriptor> DescriptorsFor(
-    const vesper_prototype& prototype, const std::vector<const vesper_law_desc*>& laws) {
+    const vesper_prototype& prototype, const std::vector<const vesper_law_desc*>& laws,
+    std::span<const vesper_field_desc> brings) {
   std::vector<vesper_property_descriptor> all(prototype.properties,
                                               prototype.properties + prototype.property_count);
   for (const vesper_law_desc* law : laws) {
@@ -50,12 +50,19 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
       const auto known = std::ranges::find_if(
           all, [&](const auto& property) { return property.name == std::string(use.name); });
       if (known == all.end()) {
-        all.push_back({sizeof(vesper_property_descriptor), use.scalar_type, use.name, use.kind, use.components, use.access,
-                       use.unit, nullptr, nullptr, "Declared by the law."});
+        all.push_back({sizeof(vesper_property_descriptor), use.scalar_type, use.name, use.kind,
+                       use.components, use.access, use.unit, nullptr, nullptr,
+                       "Declared by the law."});
       } else if (known >= all.begin() + prototype.property_count) {
         known->law_access |= use.access;
       }
     }
+  }
+  for (const vesper_field_desc& field : brings) {
+    const auto named = [&](const auto& property) { return property.name == std::string(field.name); };
+    if (std::ranges::any_of(all, named)) continue;
+    all.push_back({sizeof(vesper_property_descriptor), VESPER_FIELD, field.name, "world",
+                   field.components, VESPER_READ, field.unit, nullptr, nullptr, field.doc});
   }
   std::ranges::stable_partition(all, std::not_fn(IsScratch));
   return all;
@@ -64,16 +71,21 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
 }  // namespace
 
 World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
-             uint64_t rows, uint32_t seed)
-    : prototype_(PrototypeOf(real_type)), descriptors_(DescriptorsFor(prototype_, laws)) {
+             std::span<const vesper_field_desc> brings, uint64_t rows, uint32_t seed)
+    : prototype_(PrototypeOf(real_type)), descriptors_(DescriptorsFor(prototype_, laws, brings)) {
   prototype_.properties = descriptors_.data();
   prototype_.property_count = static_cast<uint32_t>(
       std::ranges::count_if(descriptors_, std::not_fn(IsScratch)));
+  for (const vesper_field_desc& field : brings) brought_.insert(field.name);
   std::mt19937 random(seed);
   const auto draw = [&](double low, double high) {
     return low + (high - low) * (static_cast<double>(random()) / 4294967296.0);
   };
   for (const vesper_property_descriptor& property : descriptors_) {
+    if (IsField(property)) {
+      fields_.emplace_back(property);
+      continue;
+    }
     const bool single = property.kind == std::string("world");
     columns_.emplace_back(property, single ? std::min<uint64_t>(rows, 1) : rows);
     Fill(columns_.back(), draw);
@@ -138,6 +150,7 @@ void World::Translate(const Vec3<double>& by) {
   for (uint64_t row = 0; row < position.rows(); ++row) {
     position.SetVector(row, position.GetVector(row) + by);
   }
+  for (AnalyticField& field : fields_) field.Translate(by);
 }
 
 void World::Rotate(const Quaternion& by) {
@@ -149,31 +162,46 @@ void World::Rotate(const Quaternion& by) {
   }
   AnyColumn& orientation = (*this)[kOrientation];
   for (uint64_t row = 0; row < orientation.rows(); ++row) {
-    const Vec3<double> v{orientation.Get(4 * row), orientation.Get(4 * row + 1),
-                         orientation.Get(4 * row + 2)};
-    const double w = orientation.Get(4 * row + 3);
-    const Vec3<double> turned = v * by.w + by.v * w + Cross(by.v, v);
-    orientation.Set(4 * row, turned.x);
-    orientation.Set(4 * row + 1, turned.y);
-    orientation.Set(4 * row + 2, turned.z);
-    orientation.Set(4 * row + 3, by.w * w - Dot(by.v, v));
+    const Quaternion before{{orientation.Get(4 * row), orientation.Get(4 * row + 1),
+                             orientation.Get(4 * row + 2)},
+                            orientation.Get(4 * row + 3)};
+    const Quaternion after = by * before;
+    orientation.Set(4 * row, after.v.x);
+    orientation.Set(4 * row + 1, after.v.y);
+    orientation.Set(4 * row + 2, after.v.z);
+    orientation.Set(4 * row + 3, after.w);
   }
+  for (AnalyticField& field : fields_) field.Rotate(by);
 }
 
 std::vector<vesper_property> World::PropertiesFor(const vesper_law_desc& law) {
   std::vector<vesper_property> properties;
-  for (const auto& use : std::span(law.uses, law.use_count)) {
-    AnyColumn& column = (*this)[use.name];
-    properties.push_back({sizeof(vesper_property), use.scalar_type, use.name, use.kind,
-                          use.components, use.access, column.data(), column.rows(), 0});
-  }
+  for (const auto& use : std::span(law.uses, law.use_count)) properties.push_back(PropertyFor(use));
   return properties;
+}
+
+vesper_property World::PropertyFor(const vesper_property_use& use) {
+  vesper_property property{sizeof property, use.scalar_type, use.name, use.kind, use.components,
+                           use.access, nullptr, 0, 0};
+  for (AnalyticField& field : fields_) {
+    if (field.descriptor().name != std::string(use.name)) continue;
+    property.data = const_cast<vesper_field*>(&field.function());
+    return property;
+  }
+  AnyColumn& column = (*this)[use.name];
+  property.data = column.data();
+  property.row_count = column.rows();
+  return property;
 }
 
 PhysicsEngine World::MakeEngine(const std::string& library, uint32_t threads, bool validate) {
   PhysicsEngine engine(prototype_, {.threads = threads, .validate = validate});
   for (AnyColumn& column : columns_) {
     if (!IsScratch(column.descriptor())) column.AddTo(engine.PropertyProvider());
+  }
+  for (AnalyticField& field : fields_) {
+    const char* name = field.descriptor().name;
+    if (!brought_.contains(name)) engine.PropertyProvider().SetField(name, field.function());
   }
   engine.LoadPhysicsLaw(library);
   return engine;

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -22,6 +23,8 @@ class LawFile {
   const vesper_law_library& table() const { return *table_; }
   /// Laws of one precision, in the order of the table.
   std::vector<const vesper_law_desc*> Laws(vesper_scalar_type real_type) const;
+  /// What it brings for FIELD properties.
+  std::span<const vesper_field_desc> Fields() const;
 
   /// Names of the symbols that it defines for others.
   std::vector<std::string> Exports() const;

@@ -1,32 +1,30 @@
-// A random world with a column for every property of a standard prototype and of a law, for laws of
-// any kind.
+// A random world with a column or a field for every property of a standard prototype and of a law,
+// for laws of any kind.
 #pragma once
 
 #include <cstdint>
 #include <functional>
+#include <set>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "vesper/kit/column.hpp"
+#include "vesper/kit/field.hpp"
+#include "vesper/kit/quaternion.hpp"
 #include "vesper/law.hpp"
 #include "vesper/vesper.hpp"
 
 namespace vesper {
 
-/// A unit quaternion: v the vector part, w the scalar part.
-struct Quaternion {
-  Vec3<double> v;
-  double w;
-};
-
 class World {
  public:
-  /// A column for every property of the standard prototype, and for those that only the laws know,
-  /// whose tables must stay loaded. `rows` of every kind but `world`, which has one (none if `rows`
-  /// is 0). References name neighbouring rows, which lie near each other; masses and the like are
-  /// above zero.
+  /// A column, or an analytic field, for every property of the standard prototype, and for those
+  /// that only the laws know or that their library `brings`; their tables must stay loaded. `rows`
+  /// of every kind but `world`, which has one (none if `rows` is 0). References name neighbouring
+  /// rows, which lie near each other; masses and the like are above zero.
   World(vesper_scalar_type real_type, const std::vector<const vesper_law_desc*>& laws,
-        uint64_t rows, uint32_t seed);
+        std::span<const vesper_field_desc> brings, uint64_t rows, uint32_t seed);
 
   World(World&&) = default;
   World(const World&) = delete;
@@ -39,21 +37,25 @@ class World {
   /// Sets every value of a property to zero.
   void Clear(const std::string& name);
   void Translate(const Vec3<double>& by);
-  /// Turns vectors and orientations about the origin.
+  /// Turns vectors, orientations and fields about the origin.
   void Rotate(const Quaternion& by);
 
-  /// The columns that a law uses, in its order.
+  /// The columns and fields that a law uses, in its order; borrowed, as all its values.
   std::vector<vesper_property> PropertiesFor(const vesper_law_desc& law);
-  /// Loads one library. The world must stay in place from now on.
+  /// Loads one library, in a prototype with fields of the world for those that it does not bring.
+  /// The world must stay in place from now on.
   PhysicsEngine MakeEngine(const std::string& library, uint32_t threads = 1, bool validate = true);
 
  private:
+  vesper_property PropertyFor(const vesper_property_use& use);
   void Place(AnyColumn& column, const std::function<double(double, double)>& draw);
   void Fill(AnyColumn& column, const std::function<double(double, double)>& draw);
 
   vesper_prototype prototype_;
   std::vector<vesper_property_descriptor> descriptors_;
   std::vector<AnyColumn> columns_;
+  std::vector<AnalyticField> fields_;
+  std::set<std::string> brought_;  // fields that the library gives to an engine
 };
 
 }  // namespace vesper

@@ -10,5 +10,7 @@ public enum Access {
     /** Writes every row before it returns. */
     WRITE,
     /** Adds to the rows; the engine zeroes them and sums over laws. */
-    ACCUMULATE
+    ACCUMULATE,
+    /** No property of the client: memory that the engine keeps for the law, row by row. */
+    SCRATCH
 }

@@ -13,6 +13,7 @@ import reve.core.world.World;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
 import reve.pe.PropertyDescriptor;
+import reve.pe.ScalarType;
 
 /** A world's columns in the hands of an engine. World's thread only. */
 final class LentWorld {
@@ -28,6 +29,9 @@ final class LentWorld {
         List<LentProperty> inPlace = new ArrayList<>();
         List<LentProperty> references = new ArrayList<>();
         for (PropertyDescriptor property : engine.prototype().properties()) {
+            if (property.type() == ScalarType.FIELD) {
+                continue; // the world holds no functions; law libraries bring them
+            }
             Table table = world.table(property.kind());
             List<Column> columns = PropertyNames.columns(property.kind(), property.name())
                 .stream().map(table::column).toList();

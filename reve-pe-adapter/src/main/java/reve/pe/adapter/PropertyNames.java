@@ -30,7 +30,8 @@ public final class PropertyNames {
     }
 
     /**
-     * The prototype for an engine: what the world's items have, in REVE's types and units.
+     * The prototype for an engine: what the world's items have, in REVE's types and units, and the
+     * standard fields, for which no item has values.
      *
      * @param standard what the engine calls standard; says how far laws may go with a standard
      *     property. Laws may read and write what designers add, and only read references
@@ -39,6 +40,10 @@ public final class PropertyNames {
         List<PropertyDescriptor> properties = new ArrayList<>();
         Set<String> standardColumns = new HashSet<>();
         for (PropertyDescriptor property : standard.properties()) {
+            if (property.type() == ScalarType.FIELD) {
+                properties.add(property);
+                continue;
+            }
             List<reve.core.world.PropertyDescriptor> found =
                 find(world, property.kind(), columns(property.kind(), property.name()));
             if (!found.isEmpty()) {

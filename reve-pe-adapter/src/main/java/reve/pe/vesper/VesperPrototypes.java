@@ -101,7 +101,7 @@ final class VesperPrototypes {
         return set;
     }
 
-    /** VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4. */
+    /** VESPER_READ = 1, VESPER_WRITE = 2, VESPER_ACCUMULATE = 4, VESPER_SCRATCH = 8. */
     private static int bit(Access access) {
         return 1 << access.ordinal();
     }

@@ -19,6 +19,7 @@ import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsException;
 import reve.pe.PropertyDescriptor;
 import reve.pe.Prototype;
+import reve.pe.ScalarType;
 import reve.pe.Status;
 
 /** The provider of one Vesper engine. */
@@ -140,6 +141,9 @@ final class VesperProvider implements PhysicalPropertyProvider {
     private static void checkArrays(Slot slot, MemorySegment data, long valueCount,
                                     @Nullable MemorySegment indices, long objectCount) {
         PropertyDescriptor property = slot.descriptor;
+        if (property.type() == ScalarType.FIELD) {
+            return; // has no arrays to check: C refuses it
+        }
         checkArray(property.name(), "data", data, valueCount,
             (long) property.components() * property.type().bytes());
         if (indices != null) {

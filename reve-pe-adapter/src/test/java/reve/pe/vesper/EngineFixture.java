@@ -10,6 +10,7 @@ import java.util.Map;
 import reve.pe.NativeFiles;
 import reve.pe.PropertyDescriptor;
 import reve.pe.Prototype;
+import reve.pe.ScalarType;
 import reve.pe.SpringOrbit;
 
 /** A validating engine for the spring orbit, as a Java program without REVE would make it. */
@@ -31,6 +32,9 @@ final class EngineFixture implements AutoCloseable {
     /** Lends zeroed arrays for all properties: 2 bodies, 1 spring, no surface. */
     EngineFixture lendAll() {
         for (PropertyDescriptor property : engine.prototype().properties()) {
+            if (property.type() == ScalarType.FIELD) {
+                continue;
+            }
             long rows = switch (property.kind()) {
                 case "body" -> 2;
                 case "surface" -> 0;

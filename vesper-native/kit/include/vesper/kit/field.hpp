@@ -1,0 +1,34 @@
+// What stands for any field: a smooth function that moves and turns with its world.
+#pragma once
+
+#include <cstdint>
+
+#include "vesper/engine.h"
+#include "vesper/kit/quaternion.hpp"
+
+namespace vesper {
+
+class AnalyticField {
+ public:
+  /// Vectors within a cube of side 2, and numbers from 0.5 to 2, as in the columns of a World.
+  explicit AnalyticField(const vesper_property_descriptor& descriptor) : descriptor_(&descriptor) {}
+
+  const vesper_property_descriptor& descriptor() const { return *descriptor_; }
+  /// Borrowed from this object, which stays in place meanwhile.
+  const vesper_field& function();
+
+  void Translate(const Vec3<double>& by) { origin_ += by; }
+  /// About the origin of the world.
+  void Rotate(const Quaternion& by);
+
+ private:
+  static void Evaluate(void* user, uint64_t count, const double* at, double* out);
+  void EvaluateOne(const Vec3<double>& at, double* out) const;
+
+  const vesper_property_descriptor* descriptor_;
+  Vec3<double> origin_{};
+  Quaternion turn_;
+  vesper_field function_{};
+};
+
+}  // namespace vesper
