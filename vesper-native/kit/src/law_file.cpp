@@ -118,7 +118,9 @@ std::vector<std::string> LawFile::Imports() const {
   for (const Symbol& symbol : DynamicSymbols()) {
     if (symbol.defined) continue;
     Dl_info info{};
-    void* address = dlsym(RTLD_DEFAULT, symbol.name.c_str());
+    // Not among all symbols of the process: the program may hold copies of a library's data.
+    void* address = dlsym(handle_.get(), symbol.name.c_str());
+    if (address == nullptr) address = dlsym(RTLD_DEFAULT, symbol.name.c_str());
     if (address == nullptr && symbol.weak) continue;
     const bool known = address != nullptr && dladdr(address, &info) != 0;
     const std::string provider =
