@@ -1,4 +1,4 @@
-// The broad phase: which boxes may overlap.
+// The broad phase: which boxes overlap.
 #pragma once
 
 #include <algorithm>
@@ -55,19 +55,22 @@ class PatchGrid {
     start_.resize(std::bit_ceil(2 * members + 1) + 1);
   }
 
-  /// `members` are indices of `boxes`, whose sizes must be finite; both are borrowed until the next
-  /// Build.
+  /// `members` are indices of `boxes`, which must be finite.
   void Build(std::span<const Box<Real>> boxes, std::span<const uint32_t> members) {
     large_.clear();
     small_.clear();
     std::ranges::fill(start_, 0);
     if (members.empty()) return;
     cell_ = ChooseCell(boxes, members);
+    small_size_ = 0;
     for (const uint32_t member : members) {
-      if (boxes[member].Size() > cell_) {
-        large_.push_back(member);
+      const Box<Real>& box = boxes[member];
+      const Real size = box.Size();
+      if (size > cell_) {
+        large_.push_back({box, {}, member});
       } else {
-        small_.push_back({member, CellOf(boxes[member].Centre())});
+        small_size_ = std::max(small_size_, size);
+        small_.push_back({box, CellOf(box.Centre()), member});
         ++start_[Hash(small_.back().cell) + 1];
       }
     }
@@ -78,22 +81,25 @@ class PatchGrid {
     start_[0] = 0;
   }
 
-  /// Calls visit(member) once for each member whose box may overlap `box`, perhaps for others.
+  /// Calls visit(member) for each member whose box overlaps `box`.
   template <class Visit>
   void Query(const Box<Real>& box, Visit&& visit) const {
-    for (const uint32_t member : large_) visit(member);
+    const auto look = [&](const Entry& entry) {
+      if (entry.box.Overlaps(box)) visit(entry.member);
+    };
+    std::ranges::for_each(large_, look);
     if (small_.empty()) return;
-    const Box<Real> centres = box.Grown(cell_ / 2);
+    const Box<Real> centres = box.Grown(small_size_ / 2);
     const Cell low = CellOf(centres.low), high = CellOf(centres.high);
     const double cells = (double(high.x) - low.x + 1) * (double(high.y) - low.y + 1) *
                          (double(high.z) - low.z + 1);
     if (cells > static_cast<double>(small_.size())) {
-      for (const Entry& entry : small_) visit(entry.member);
+      std::ranges::for_each(small_, look);
       return;
     }
     for (int32_t z = low.z; z <= high.z; ++z) {
       for (int32_t y = low.y; y <= high.y; ++y) {
-        for (int32_t x = low.x; x <= high.x; ++x) VisitCell({x, y, z}, visit);
+        for (int32_t x = low.x; x <= high.x; ++x) LookIntoCell({x, y, z}, look);
       }
     }
   }
@@ -104,15 +110,16 @@ class PatchGrid {
     bool operator==(const Cell&) const = default;
   };
   struct Entry {
-    uint32_t member;
+    Box<Real> box;
     Cell cell;
+    uint32_t member;
   };
 
-  template <class Visit>
-  void VisitCell(Cell cell, Visit&& visit) const {
+  template <class Look>
+  void LookIntoCell(Cell cell, Look&& look) const {
     const uint32_t bucket = Hash(cell);
     for (uint32_t i = start_[bucket]; i < start_[bucket + 1]; ++i) {
-      if (entries_[i].cell == cell) visit(entries_[i].member);
+      if (entries_[i].cell == cell) look(entries_[i]);
     }
   }
 
@@ -139,9 +146,10 @@ class PatchGrid {
     return mixed & static_cast<uint32_t>(start_.size() - 2);
   }
 
-  Real cell_ = 1;
+  Real cell_ = 1;        // side [m]
+  Real small_size_ = 0;  // of the largest box in a cell [m]
   std::vector<Real> sizes_;
-  std::vector<uint32_t> large_;
+  std::vector<Entry> large_;
   std::vector<Entry> small_;     // in the order of members
   std::vector<Entry> entries_;   // bucket by bucket
   std::vector<uint32_t> start_;  // (buckets + 1), where each begins

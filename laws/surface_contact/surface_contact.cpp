@@ -154,11 +154,9 @@ struct SurfaceContact {
   /** Patches of other meshes near this one, mesh by mesh. */
   void FindCandidates(uint64_t index, std::vector<uint32_t>& out) const {
     const auto patches = topology_.patches();
-    const Box<Real>& box = boxes_[index];
     out.clear();
-    grid_.Query(box, [&](uint32_t other) {
-      if (patches[other].mesh == patches[index].mesh) return;
-      if (face_boxes_[other].Overlaps(box)) out.push_back(other);
+    grid_.Query(boxes_[index], [&](uint32_t other) {
+      if (patches[other].mesh != patches[index].mesh) out.push_back(other);
     });
     std::ranges::sort(out);
   }
@@ -194,7 +192,7 @@ struct SurfaceContact {
   /** Takes the face if it is nearer to p. A face without area has no side and is passed over. */
   void Approach(Vec3<Real> p, uint32_t face, Nearest& nearest) const {
     const auto [a, b, c] = Corners(face);
-    const Vec3<Real> normal = Cross(b - a, c - a);
+    const Vec3<Real> normal = Cross(b - a, c - a);  // outwards, as long as twice the area
     const Real area = Dot(normal, normal), height = Dot(normal, p - a);
     if (!(height * height < nearest.square * area)) return;
     const Closest<Real> at = ClosestOnTriangle(p, a, b, c);
@@ -207,36 +205,45 @@ struct SurfaceContact {
   bool IsInside(uint32_t point, const Nearest& nearest, Contact<Real>& contact) const {
     const auto corners = Corners(nearest.face);
     const Vec3<Real> offset = position[point] - Blend(nearest.at.weights, corners);
-    const Vec3<Real> outwards = Outwards(nearest.face, nearest.at.feature);
     const Real depth = std::sqrt(nearest.square);
-    if (!(Dot(offset, outwards) < 0) || depth == 0) return false;
+    if (depth == 0 || !IsBehind(offset, nearest.face, nearest.at.feature)) return false;
     contact.point = point;
     contact.face = nearest.face;
     contact.depth = depth;
-    contact.normal = nearest.at.feature == kFace ? outwards : offset * (-1 / depth);
+    contact.normal = nearest.at.feature == kFace ? Unit(Normal(nearest.face)) : offset * (-1 / depth);
     contact.weights = nearest.at.weights;
     return true;
   }
 
-  /** The normal that tells the outside of a mesh at a face, edge or corner; zero at a border (J. A.
-   *  Baerentzen, H. Aanaes, Signed Distance Computation Using the Angle Weighted Pseudonormal,
-   *  2005). */
-  Vec3<Real> Outwards(uint32_t face, Feature feature) const {
-    if (feature == kFace) return Normal(face);
+  /** Whether `offset` from a feature's point leads inside. Nothing is inside at a border. */
+  bool IsBehind(Vec3<Real> offset, uint32_t face, Feature feature) const {
+    if (feature == kFace) return Dot(offset, Normal(face)) < 0;
     if (feature < kCorner0) {
       const uint32_t neighbour = topology_.Neighbour(face, feature - kEdge0);
-      return neighbour == kNone ? Vec3<Real>{} : Normal(face) + Normal(neighbour);
+      return neighbour != kNone && Dot(offset, Unit(Normal(face)) + Unit(Normal(neighbour))) < 0;
     }
-    const uint32_t body = vertices[face][feature - kCorner0];
-    Vec3<Real> sum;
-    if (topology_.OnBorder(body)) return sum;
-    for (const uint32_t next : topology_.Around(body)) sum += Normal(next) * AngleAt(body, next);
-    return sum;
+    const uint32_t corner = vertices[face][feature - kCorner0];
+    return !topology_.OnBorder(corner) && IsBehindCorner(offset, corner);
   }
 
+  /** By the sum of the normals around, weighted with their angles (J. A. Baerentzen, H. Aanaes,
+   *  Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005); where all faces
+   *  agree, by any of them. */
+  bool IsBehindCorner(Vec3<Real> offset, uint32_t corner) const {
+    const auto around = topology_.Around(corner);
+    const auto behind = std::ranges::count_if(
+        around, [&](uint32_t face) { return Dot(offset, Normal(face)) < 0; });
+    if (behind == 0) return false;
+    if (behind == std::ssize(around)) return true;
+    Vec3<Real> sum;
+    for (const uint32_t face : around) sum += Unit(Normal(face)) * AngleAt(corner, face);
+    return Dot(offset, sum) < 0;
+  }
+
+  /** Outwards, as long as twice the area. */
   Vec3<Real> Normal(uint32_t face) const {
     const auto [a, b, c] = Corners(face);
-    return Unit(Cross(b - a, c - a));
+    return Cross(b - a, c - a);
   }
 
   static Vec3<Real> Unit(Vec3<Real> v) {
