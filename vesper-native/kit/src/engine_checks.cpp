@@ -146,18 +146,25 @@ std::string CheckNotANumber(const Subject& of) {
 
 std::string MeasureTime(const Subject& of) {
   const LawsUnderTest subject(of);
-  const uint64_t rows = 100000;
-  World world = subject.MakeWorld(rows);
-  PhysicsEngine engine = world.MakeEngine(subject.file(), 1, false);
-  engine.Advance(kDt, 10);
-  std::string note;
-  for (const vesper_law_info& law : engine.Laws(1)) {
-    const double each = static_cast<double>(law.nanoseconds) / static_cast<double>(law.calls);
-    char text[64];
-    std::snprintf(text, sizeof text, "%.2f ns", each / static_cast<double>(rows));
-    note += (note.empty() ? "" : ", ") + std::string(law.name) + " " + text;
+  for (uint64_t rows = 100;; rows *= 10) {
+    World world = subject.MakeWorld(rows);
+    PhysicsEngine engine = world.MakeEngine(subject.file(), 1, false);
+    engine.Advance(kDt, 10);
+    uint64_t total = 0;
+    std::string note;
+    for (const vesper_law_info& law : engine.Laws(1)) {
+      const double each = static_cast<double>(law.nanoseconds) / static_cast<double>(law.calls);
+      char text[64];
+      std::snprintf(text, sizeof text, "%.2f ns", each / static_cast<double>(rows));
+      note += (note.empty() ? "" : ", ") + std::string(law.name) + " " + text;
+      total += law.nanoseconds;
+    }
+    // Where time grows with the square of the rows, ten times as many would take a hundred times
+    // as long.
+    if (rows == 100000 || total > 10'000'000) {
+      return note + " per row and call, " + std::to_string(rows) + " rows, 1 thread";
+    }
   }
-  return note + " per row and call, 100000 rows, 1 thread";
 }
 
 }  // namespace vesper

@@ -1,0 +1,286 @@
+// Compiled once for each instruction set: Highway includes this file again and again. Which one
+// runs is chosen here, because a law is one file, and of Highway only the headers can be in it.
+#include "all_pairs/pair_sums.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <concepts>
+
+// On x86 that leaves the baseline (one lane), AVX2 with FMA, and AVX-512. Vectors of unknown length
+// do not fit the packets.
+#define HWY_DISABLED_TARGETS \
+  (HWY_SSSE3 | HWY_SSE4 | HWY_AVX3_DL | HWY_SVE | HWY_SVE2 | HWY_SVE_256 | HWY_SVE2_128 | HWY_RVV)
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "all_pairs/pair_sums.cpp"
+#include "hwy/foreach_target.h"
+#include "hwy/highway.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace vesper {
+namespace HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Rows of a group share what is loaded of the columns.
+constexpr uint64_t kGroup = 4;
+
+/// a * b + c with one rounding, whatever the processor has.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V Fused(D d, V a, V b, V c) {
+#if HWY_NATIVE_FMA
+  (void)d;
+  return hn::MulAdd(a, b, c);
+#else
+  HWY_ALIGN hn::TFromD<D> x[hn::MaxLanes(d)], y[hn::MaxLanes(d)], z[hn::MaxLanes(d)];
+  hn::Store(a, d, x);
+  hn::Store(b, d, y);
+  hn::Store(c, d, z);
+  for (size_t i = 0; i < hn::MaxLanes(d); ++i) z[i] = std::fma(x[i], y[i], z[i]);
+  return hn::Load(d, z);
+#endif
+}
+
+/// c - a * b with one rounding.
+template <class D, class V = hn::Vec<D>>
+HWY_INLINE V FusedMinus(D d, V a, V b, V c) {
+#if HWY_NATIVE_FMA
+  (void)d;
+  return hn::NegMulAdd(a, b, c);
+#else
+  return Fused(d, hn::Neg(a), b, c);
+#endif
+}
+
+/// r^-3 from r^2 > 0. The guess of r^-1 halves the exponent with integers (the relative error of
+/// its square is below 0.0682), and a polynomial in that error, fitted by the Remez algorithm,
+/// corrects.
+template <class D, class V = hn::Vec<D>>
+  requires std::same_as<hn::TFromD<D>, float>
+HWY_INLINE V InverseCube(D d, V r2) {
+  const hn::RebindToUnsigned<D> bits;
+  const V guess = hn::BitCast(
+      d, hn::Sub(hn::Set(bits, 0x5f374740u), hn::ShiftRight<1>(hn::BitCast(bits, r2))));
+  const V square = hn::Mul(guess, guess);
+  const V error = FusedMinus(d, r2, square, hn::Set(d, 1.0f));
+  V p = hn::Set(d, 2.7261742566996814f);
+  p = Fused(d, p, error, hn::Set(d, 2.4814949523547716f));
+  p = Fused(d, p, error, hn::Set(d, 2.18747838165342f));
+  p = Fused(d, p, error, hn::Set(d, 1.8749641347096555f));
+  p = Fused(d, p, error, hn::Set(d, 1.4999999903112564f));
+  p = Fused(d, p, error, hn::Set(d, 1.0000000092520231f));
+  return hn::Mul(hn::Mul(guess, square), p);
+}
+
+/// As above, in two steps: after the first the error is below 1.5e-6.
+template <class D, class V = hn::Vec<D>>
+  requires std::same_as<hn::TFromD<D>, double>
+HWY_INLINE V InverseCube(D d, V r2) {
+  const hn::RebindToUnsigned<D> bits;
+  const V one = hn::Set(d, 1.0);
+  const V guess = hn::BitCast(d, hn::Sub(hn::Set(bits, uint64_t{0x5fe6e8e800000000}),
+                                         hn::ShiftRight<1>(hn::BitCast(bits, r2))));
+  V error = FusedMinus(d, r2, hn::Mul(guess, guess), one);
+  V p = hn::Set(d, 0.31390734536595183);
+  p = Fused(d, p, error, hn::Set(d, 0.3762752079965376));
+  p = Fused(d, p, error, hn::Set(d, 0.49999843251860854));
+  p = Fused(d, p, error, hn::Set(d, 0.999999258434372));
+  const V inverse = hn::Mul(guess, p);
+  const V square = hn::Mul(inverse, inverse);
+  error = FusedMinus(d, r2, square, one);
+  p = Fused(d, hn::Set(d, 1.875), error, hn::Set(d, 1.5));
+  return hn::Mul(hn::Mul(inverse, square), Fused(d, p, error, one));
+}
+
+/// Some lanes of a group's sums, in registers.
+template <class V>
+struct GroupSums {
+  V x[kGroup], y[kGroup], z[kGroup];
+};
+
+/// The rows [row, row + kGroup) of a packet with the lanes from `lane` on of another, or of the
+/// same one: then each pair comes up from both sides, and only the rows get sums.
+template <bool both, class Real, class D, class V = hn::Vec<D>>
+HWY_INLINE void SumBlock(D d, const BodyPacket<Real>& rows, uint64_t row,
+                         const BodyPacket<Real>& columns, uint64_t lane, V softening2,
+                         GroupSums<V>& group, SumPacket<Real>* sums) {
+  const V x = hn::Load(d, columns.x + lane), y = hn::Load(d, columns.y + lane),
+          z = hn::Load(d, columns.z + lane), weight = hn::Load(d, columns.weight + lane);
+  V sx = hn::Zero(d), sy = sx, sz = sx;
+  if constexpr (both) {
+    sx = hn::Load(d, sums->x + lane);
+    sy = hn::Load(d, sums->y + lane);
+    sz = hn::Load(d, sums->z + lane);
+  }
+#pragma GCC unroll 8
+  for (uint64_t u = 0; u < kGroup; ++u) {
+    const V dx = hn::Sub(x, hn::Set(d, rows.x[row + u]));
+    const V dy = hn::Sub(y, hn::Set(d, rows.y[row + u]));
+    const V dz = hn::Sub(z, hn::Set(d, rows.z[row + u]));
+    const V r2 = Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, softening2)));
+    const V cube = InverseCube(d, r2);
+    const V pull = hn::Mul(cube, weight);
+    group.x[u] = Fused(d, pull, dx, group.x[u]);
+    group.y[u] = Fused(d, pull, dy, group.y[u]);
+    group.z[u] = Fused(d, pull, dz, group.z[u]);
+    if constexpr (both) {
+      const V back = hn::Mul(cube, hn::Set(d, rows.weight[row + u]));
+      sx = FusedMinus(d, back, dx, sx);
+      sy = FusedMinus(d, back, dy, sy);
+      sz = FusedMinus(d, back, dz, sz);
+    }
+  }
+  if constexpr (both) {
+    hn::Store(sx, d, sums->x + lane);
+    hn::Store(sy, d, sums->y + lane);
+    hn::Store(sz, d, sums->z + lane);
+  }
+}
+
+/// Sum of the lanes of a packet, by halves.
+template <class Real>
+HWY_INLINE Real SumOfLanes(Real* lanes) {
+  for (uint64_t half = BodyPacket<Real>::kSize / 2; half > 0; half /= 2) {
+    for (uint64_t i = 0; i < half; ++i) lanes[i] += lanes[i + half];
+  }
+  return lanes[0];
+}
+
+/// The rows [row, row + kGroup) of packet p with the packets [begin, end), p among them at most as
+/// the first.
+template <class Real>
+HWY_INLINE void SumGroup(const BodyPacket<Real>* bodies, uint64_t p, uint64_t row, uint64_t begin,
+                         uint64_t end, Real softening, SumPacket<Real>* sums) {
+  constexpr uint64_t kSize = BodyPacket<Real>::kSize;
+  const hn::CappedTag<Real, kSize> d;
+  using V = hn::Vec<decltype(d)>;
+  const V softening2 = hn::Set(d, softening);
+  HWY_ALIGN Real lanes[3][kGroup][kSize];
+  for (uint64_t lane = 0; lane < kSize; lane += hn::MaxLanes(d)) {
+    GroupSums<V> group;
+#pragma GCC unroll 8
+    for (uint64_t u = 0; u < kGroup; ++u) group.x[u] = group.y[u] = group.z[u] = hn::Zero(d);
+    uint64_t q = begin;
+    if (q == p) {
+      SumBlock<false, Real>(d, bodies[p], row, bodies[p], lane, softening2, group, nullptr);
+      ++q;
+    }
+    for (; q < end; ++q) {
+      SumBlock<true, Real>(d, bodies[p], row, bodies[q], lane, softening2, group, sums + q);
+    }
+#pragma GCC unroll 8
+    for (uint64_t u = 0; u < kGroup; ++u) {
+      hn::Store(group.x[u], d, lanes[0][u] + lane);
+      hn::Store(group.y[u], d, lanes[1][u] + lane);
+      hn::Store(group.z[u], d, lanes[2][u] + lane);
+    }
+  }
+  for (uint64_t u = 0; u < kGroup; ++u) {
+    sums[p].x[row + u] += SumOfLanes(lanes[0][u]);
+    sums[p].y[row + u] += SumOfLanes(lanes[1][u]);
+    sums[p].z[row + u] += SumOfLanes(lanes[2][u]);
+  }
+}
+
+// Packets of columns that stay in the first-level cache while the rows pass by.
+constexpr uint64_t kTile = 32;
+
+template <class Real>
+void SumPairs(const BodyPacket<Real>* bodies, uint64_t rows, uint64_t count, Real softening2,
+              SumPacket<Real>* sums) {
+  for (uint64_t begin = 0; begin < count; begin += kTile) {
+    const uint64_t end = std::min(begin + kTile, count);
+    for (uint64_t p = 0; p < std::min(rows, end); ++p) {
+      for (uint64_t row = 0; row < BodyPacket<Real>::kSize; row += kGroup) {
+        SumGroup(bodies, p, row, std::max(begin, p), end, softening2, sums);
+      }
+    }
+  }
+}
+
+/// One body of packet p with all that come after it.
+HWY_INLINE double SumPotentialsOf(const BodyPacket<double>* bodies, uint64_t p, uint64_t row,
+                                  uint64_t count, double softening2) {
+  constexpr uint64_t kSize = BodyPacket<double>::kSize;
+  const hn::CappedTag<double, kSize> d;
+  const BodyPacket<double>& own = bodies[p];
+  HWY_ALIGN double lanes[kSize];
+  for (uint64_t lane = 0; lane < kSize; lane += hn::MaxLanes(d)) {
+    auto sum = hn::Zero(d);
+    for (uint64_t q = p; q < count; ++q) {
+      const auto dx = hn::Sub(hn::Load(d, bodies[q].x + lane), hn::Set(d, own.x[row]));
+      const auto dy = hn::Sub(hn::Load(d, bodies[q].y + lane), hn::Set(d, own.y[row]));
+      const auto dz = hn::Sub(hn::Load(d, bodies[q].z + lane), hn::Set(d, own.z[row]));
+      const auto r2 =
+          Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, hn::Set(d, softening2))));
+      const auto potential = hn::Div(hn::Load(d, bodies[q].weight + lane), hn::Sqrt(r2));
+      // In its own packet the body meets those behind it only.
+      const auto first = hn::Set(d, q == p ? static_cast<double>(row + 1) : 0.0);
+      const auto none = hn::Or(hn::Lt(hn::Iota(d, static_cast<double>(lane)), first),
+                               hn::Eq(r2, hn::Zero(d)));
+      sum = hn::Add(sum, hn::IfThenZeroElse(none, potential));
+    }
+    hn::Store(sum, d, lanes + lane);
+  }
+  return own.weight[row] * SumOfLanes(lanes);
+}
+
+double SumPotentials(const BodyPacket<double>* bodies, uint64_t count, double softening2) {
+  double sum = 0;
+  for (uint64_t p = 0; p < count; ++p) {
+    for (uint64_t row = 0; row < BodyPacket<double>::kSize; ++row) {
+      sum += SumPotentialsOf(bodies, p, row, count, softening2);
+    }
+  }
+  return sum;
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace vesper
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace vesper {
+
+// Calls the function that was compiled for the instruction set.
+#if HWY_ARCH_X86_64
+#define VESPER_DISPATCH(set, function)                              \
+  ((set) == InstructionSet::kAvx512 ? N_AVX3::function              \
+   : (set) == InstructionSet::kAvx2 ? N_AVX2::function              \
+                                    : HWY_STATIC_DISPATCH(function))
+#else
+#define VESPER_DISPATCH(set, function) HWY_STATIC_DISPATCH(function)
+#endif
+
+InstructionSet BestInstructionSet() {
+#if HWY_ARCH_X86_64
+  // What Highway's two targets may use; the compiler's test includes that of the operating system.
+  __builtin_cpu_init();
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
+                    __builtin_cpu_supports("bmi2") && __builtin_cpu_supports("f16c") &&
+                    __builtin_cpu_supports("aes") && __builtin_cpu_supports("pclmul");
+  const bool avx512 = __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512bw") &&
+                      __builtin_cpu_supports("avx512cd") && __builtin_cpu_supports("avx512dq") &&
+                      __builtin_cpu_supports("avx512vl");
+  if (avx2 && avx512) return InstructionSet::kAvx512;
+  if (avx2) return InstructionSet::kAvx2;
+#endif
+  return InstructionSet::kBaseline;
+}
+
+void SumPairs(InstructionSet set, const BodyPacket<float>* bodies, uint64_t rows, uint64_t count,
+              float softening2, SumPacket<float>* sums) {
+  VESPER_DISPATCH(set, SumPairs<float>)(bodies, rows, count, softening2, sums);
+}
+
+void SumPairs(InstructionSet set, const BodyPacket<double>* bodies, uint64_t rows, uint64_t count,
+              double softening2, SumPacket<double>* sums) {
+  VESPER_DISPATCH(set, SumPairs<double>)(bodies, rows, count, softening2, sums);
+}
+
+double SumPotentials(InstructionSet set, const BodyPacket<double>* bodies, uint64_t count,
+                     double softening2) {
+  return VESPER_DISPATCH(set, SumPotentials)(bodies, count, softening2);
+}
+
+}  // namespace vesper
+#endif  // HWY_ONCE

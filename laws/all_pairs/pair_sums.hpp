@@ -1,0 +1,45 @@
+// The loops over pairs of bodies, compiled for several instruction sets with the same bits.
+#pragma once
+
+#include <cstdint>
+
+namespace vesper {
+
+/// Bodies side by side, one line of the cache per quantity.
+template <class Real>
+struct alignas(64) BodyPacket {
+  static constexpr uint64_t kSize = 64 / sizeof(Real);
+  Real x[kSize], y[kSize], z[kSize], weight[kSize];
+};
+
+/// Sums for the bodies of a packet.
+template <class Real>
+struct alignas(64) SumPacket {
+  static constexpr uint64_t kSize = 64 / sizeof(Real);
+  Real x[kSize], y[kSize], z[kSize];
+};
+
+/// What the loops are compiled for.
+enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
+
+/// The best one that this processor has.
+InstructionSet BestInstructionSet();
+
+/** The pairs of bodies of which at least one is in the first `rows` of `count` packets. Adds to the
+ *  sums of each body i
+ *
+ *      sum over j of weight_j (x_j - x_i) / (|x_j - x_i|^2 + softening2)^(3/2)
+ *
+ *  with an error of some roundings. softening2 > 0; where it alone is left, its power -3/2 must be
+ *  a number. sums: (count). */
+void SumPairs(InstructionSet set, const BodyPacket<float>* bodies, uint64_t rows, uint64_t count,
+              float softening2, SumPacket<float>* sums);
+void SumPairs(InstructionSet set, const BodyPacket<double>* bodies, uint64_t rows, uint64_t count,
+              double softening2, SumPacket<double>* sums);
+
+/** Sum over all pairs of weight_i weight_j / sqrt(|x_j - x_i|^2 + softening2); a pair with 0 under
+ *  the root adds nothing. */
+double SumPotentials(InstructionSet set, const BodyPacket<double>* bodies, uint64_t count,
+                     double softening2);
+
+}  // namespace vesper

@@ -1,0 +1,48 @@
+#include "all_pairs/all_pairs.hpp"
+
+namespace {
+
+using namespace vesper;
+
+/** Newton's law of gravitation between all pairs of bodies, softened as Plummer did. */
+template <class Real>
+struct NewtonGravitation {
+  static constexpr auto kName = "newton_gravitation", kVersion = "1.0.0";
+  static constexpr auto kDoc = "Newtonian gravitation between all pairs of bodies, softened.";
+  static constexpr auto kPhase = Phase::kForce;
+  static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
+
+  Read<Real> gravitational_constant{"gravitationalConstant", "world",
+                                    units::gravitational_constant};
+  OptionalRead<Real> softening{"softening", "world", units::metre};
+  Read<Real> mass{"mass", "body", units::kilogram};
+  Read<Vec3<Real>> position{"position", "body", units::metre};
+  Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
+
+  auto Properties() {
+    return std::tie(gravitational_constant, softening, mass, position, force);
+  }
+
+  void Bind() { pairs_.Resize(mass.size()); }
+
+  void Advance(const Step& step) {
+    if (gravitational_constant.size() == 0) return;  // a world without its one row
+    pairs_.Attract(step, double{gravitational_constant[0]}, Softening(), mass, position, force);
+  }
+
+  /** -G m m' / sqrt(r^2 + softening^2), summed over the pairs. */
+  double PotentialEnergy() const {
+    if (gravitational_constant.size() == 0) return 0;
+    return -double{gravitational_constant[0]} *
+           pairs_.SumOfPotentials(Softening(), mass, position);
+  }
+
+ private:
+  double Softening() const { return softening.size() == 0 ? 0 : double{softening[0]}; }
+
+  AllPairs<Real> pairs_;
+};
+
+}  // namespace
+
+VESPER_LAW_LIBRARY("newton_gravitation", NewtonGravitation)
