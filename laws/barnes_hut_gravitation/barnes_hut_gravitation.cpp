@@ -3,6 +3,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "all_pairs/all_pairs.hpp"
 #include "interactions.hpp"
 #include "octree.hpp"
 
@@ -25,52 +26,66 @@ class BarnesHutGravitation {
     return std::tie(gravitational_constant_, softening_, mass_, position_, force_);
   }
 
+  void Bind() {
+    if (FewBodies()) pairs_.Resize(position_.size());
+  }
+
   void Advance(const Step& step) {
-    if (position_.size() == 0 || gravitational_constant_.size() == 0) return;
+    if (gravitational_constant_.size() == 0) return;  // a world without its one row
     const auto parallel = [&](uint64_t count, uint64_t grain, auto&& body) {
       step.ParallelFor(count, grain, body);
     };
-    Build(parallel);
-    parallel(tree_.sources().size(), 4 * kGroup, [&](uint64_t begin, uint64_t end) {
+    RequireUsable(parallel);
+    if (FewBodies()) {
+      pairs_.Attract(step, double{gravitational_constant_[0]}, Softening(), mass_, position_,
+                     force_);
+      return;
+    }
+    tree_.Build(parallel, position_, mass_, kLeaf);
+    parallel(position_.size(), 4 * kGroup, [&](uint64_t begin, uint64_t end) {
       for (uint64_t first = begin; first < end; first += kGroup) {
         Pull(first, std::min<uint64_t>(first + kGroup, end));
       }
     });
   }
 
-  /** -G/2 sum of m_i m_j / sqrt(d^2 + softening^2), of cells from their mass alone. */
+  /** -G m m' / sqrt(r^2 + softening^2), summed over the pairs; of cells from their mass alone. */
   double PotentialEnergy() {
-    if (position_.size() == 0 || gravitational_constant_.size() == 0) return 0;
-    Build([](uint64_t count, uint64_t grain, auto&& body) {
+    if (gravitational_constant_.size() == 0) return 0;
+    const double g = double{gravitational_constant_[0]};
+    if (FewBodies()) return -g * pairs_.SumOfPotentials(Softening(), mass_, position_);
+    const auto one_by_one = [](uint64_t count, uint64_t grain, auto&& body) {
       for (uint64_t begin = 0; begin < count; begin += grain) {
         body(begin, std::min(begin + grain, count));
       }
-    });
+    };
+    RequireUsable(one_by_one);
+    tree_.Build(one_by_one, position_, mass_, kLeaf);
     double sum = 0;
     for (uint64_t k = 0; k < tree_.sources().size(); ++k) {
       sum += double{tree_.sources()[k].mass} * Potential(k);
     }
     const auto [length, mass] = tree_.scales();
-    return -0.5 * double{gravitational_constant_[0]} * (length / mass / mass) * sum;
+    return -0.5 * g * (length / mass / mass) * sum;
   }
 
  private:
   // Bodies in a cell that is not cut further.
   static constexpr uint32_t kLeaf = 16;
-  // Up to here one leaf, which is the direct sum, is faster than a tree.
-  static constexpr uint32_t kDirect = 1024;
   // Lists are worked off when they are full.
   static constexpr uint32_t kList = 512;
 
+  /** Whether the sum over all pairs is faster than the tree; measured. */
+  bool FewBodies() const {
+    return static_cast<double>(position_.size()) * theta_.value() <= 2400;
+  }
+
   template <class Parallel>
-  void Build(const Parallel& parallel) {
+  void RequireUsable(const Parallel& parallel) const {
     if (position_.size() > UINT32_MAX) throw std::length_error("more than 4294967295 bodies");
     parallel(position_.size(), 16384, [&](uint64_t begin, uint64_t end) {
       for (uint64_t row = begin; row < end; ++row) RequireUsable(row);
     });
-    tree_.Build(parallel, std::span(position_.data(), position_.size()),
-                std::span(mass_.data(), mass_.size()),
-                position_.size() <= kDirect ? kDirect : kLeaf);
   }
 
   void RequireUsable(uint64_t row) const {
@@ -86,10 +101,10 @@ class BarnesHutGravitation {
     }
   }
 
-  /** Square of the softening, in the units of the tree. */
+  double Softening() const { return softening_.size() == 0 ? 0 : double{softening_[0]}; }
+  /** Its square, in the units of the tree. */
   double Softening2() const {
-    if (softening_.size() == 0) return 0;
-    const double softening = double{softening_[0]} * tree_.scales().length;
+    const double softening = Softening() * tree_.scales().length;
     return softening * softening;
   }
   Real Theta2() const { return Real(theta_) * Real(theta_); }
@@ -176,8 +191,8 @@ class BarnesHutGravitation {
 
   Parameter theta_{"theta", "Size of a cell over its distance up to which it is taken as a whole.",
                    units::one, 0.5, 0, 1};
-  OptionalRead<Real> gravitational_constant_{"gravitationalConstant", "world",
-                                             units::gravitational_constant};
+  Read<Real> gravitational_constant_{"gravitationalConstant", "world",
+                                     units::gravitational_constant};
   OptionalRead<Real> softening_{"softening", "world", units::metre};
   Read<Real> mass_{"mass", "body", units::kilogram};
   Read<Vec3<Real>> position_{"position", "body", units::metre};
@@ -185,6 +200,7 @@ class BarnesHutGravitation {
 
   const Interactions<Real> simd_ = AvailableInteractions<Real>().front();
   // Rebuilt by each call of Advance and of PotentialEnergy.
+  AllPairs<Real> pairs_;
   Octree<Real> tree_;
 };
 

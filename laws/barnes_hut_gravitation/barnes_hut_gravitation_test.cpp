@@ -156,7 +156,7 @@ TYPED_TEST(BarnesHutGravitationTest, TwoBodiesAttractAsNewtonSays) {
   EXPECT_NEAR(cloud.external_force[3], -exact, Rounding<TypeParam>(5 * exact));
 }
 
-TYPED_TEST(BarnesHutGravitationTest, WithThetaZeroTheTreeIsTheDirectSum) {
+TYPED_TEST(BarnesHutGravitationTest, WithThetaZeroItIsTheSumOverAllPairs) {
   auto cloud = Plummer<TypeParam>(3000);
   cloud.Forces(0);
   EXPECT_LT(Errors(cloud, 7).back(), Rounding<TypeParam>(2000)) << "seed " << kSeed;
@@ -217,7 +217,7 @@ TYPED_TEST(BarnesHutGravitationTest, ForcesDoNotDependOnTheOrderOfTheRows) {
 }
 
 TYPED_TEST(BarnesHutGravitationTest, UnitsOfAnySizeGiveTheSameForcesInThoseUnits) {
-  auto cloud = Plummer<TypeParam>(3000);
+  auto cloud = Plummer<TypeParam>(5000);
   const auto forces = cloud.Forces(0.7);
   // 2^60 m is 122 light years, 2^100 kg half the mass of the sun; G keeps the forces alike.
   for (TypeParam& x : cloud.position) x *= TypeParam(0x1p60);
@@ -228,17 +228,21 @@ TYPED_TEST(BarnesHutGravitationTest, UnitsOfAnySizeGiveTheSameForcesInThoseUnits
 }
 
 TYPED_TEST(BarnesHutGravitationTest, MassZeroNeitherPullsNorIsPulled) {
-  auto cloud = Plummer<TypeParam>(2000);
+  auto cloud = Plummer<TypeParam>(6000);
   for (uint64_t i = 0; i < 100; ++i) cloud.mass[i] = 0;
   cloud.Forces(0.5);
   for (uint64_t i = 0; i < 100; ++i) ASSERT_EQ(Length(cloud.Force(i)), 0) << "row " << i;
-  EXPECT_LT(Errors(cloud, 7)[cloud.size() / 14], 1e-3);
+  double largest = 0;
+  for (uint64_t i = 100; i < cloud.size(); i += 59) {
+    largest = std::max(largest, Length(cloud.Force(i) - cloud.Direct(i)) / Length(cloud.Direct(i)));
+  }
+  EXPECT_LT(largest, 0.01) << "seed " << kSeed;
 }
 
 TYPED_TEST(BarnesHutGravitationTest, NoForcesAtAllWhereNothingHasMass) {
-  auto cloud = Plummer<TypeParam>(2000);
+  auto cloud = Plummer<TypeParam>(6000);
   std::ranges::fill(cloud.mass, 0);
-  EXPECT_EQ(cloud.Forces(0.5), std::vector<TypeParam>(6000, 0));
+  EXPECT_EQ(cloud.Forces(0.5), std::vector<TypeParam>(18000, 0));
 }
 
 TYPED_TEST(BarnesHutGravitationTest, NoBodyAndOneBodyFeelNothing) {
@@ -259,10 +263,10 @@ TYPED_TEST(BarnesHutGravitationTest, BodiesAtOnePointFeelNothingOfEachOther) {
 
 TYPED_TEST(BarnesHutGravitationTest, APairOfPointsWithManyBodiesEachIsATwoBodyProblem) {
   Cloud<TypeParam> cloud;
-  for (int i = 0; i < 4096; ++i) cloud.AddBody(1, {TypeParam(i % 2 == 0 ? -1 : 1), 0, 0});
+  for (int i = 0; i < 6000; ++i) cloud.AddBody(1, {TypeParam(i % 2 == 0 ? -1 : 1), 0, 0});
   cloud.Forces(0.5);
-  for (uint64_t i = 0; i < 4096; ++i) {
-    const double exact = (i % 2 == 0 ? 1 : -1) * 2048 / 4.0;
+  for (uint64_t i = 0; i < 6000; ++i) {
+    const double exact = (i % 2 == 0 ? 1 : -1) * 3000 / 4.0;
     ASSERT_EQ(cloud.Force(i), (Vec3<double>{exact, 0, 0})) << "row " << i;
   }
 }
@@ -294,7 +298,7 @@ TYPED_TEST(BarnesHutGravitationTest, AFarOutlierCostsNoAccuracy) {
 }
 
 TYPED_TEST(BarnesHutGravitationTest, ThePotentialEnergyIsThatOfThePairs) {
-  auto cloud = Plummer<TypeParam>(3000);
+  auto cloud = Plummer<TypeParam>(5000);
   const std::string library =
       std::string(VESPER_LAW_PATH) + "/libvesper_law_barnes_hut_gravitation.so";
   const LawFile file(library);
@@ -321,9 +325,9 @@ TYPED_TEST(BarnesHutGravitationTest, ThePotentialEnergyIsThatOfThePairs) {
 
 // Relaxation and the scheme are far slower than the time of 6, about one period of the whole.
 TYPED_TEST(BarnesHutGravitationTest, APlummerSphereInEquilibriumKeepsItsEnergyAndMomentum) {
-  auto cloud = Plummer<TypeParam>(2000);
+  auto cloud = Plummer<TypeParam>(4000);
   cloud.softening = {TypeParam(0.05)};
-  PhysicsEngine engine = cloud.MakeEngine(0.5, 2);
+  PhysicsEngine engine = cloud.MakeEngine(0.7, 2);
   engine.LoadPhysicsLaw("velocity_verlet");
   const double before = cloud.KineticEnergy() + cloud.Potential();
   const Vec3<double> momentum = cloud.Momentum();

@@ -219,8 +219,8 @@ Box<Real> Octree<Real>::Bounds(const Parallel& parallel, std::span<const Vec3<Re
   return all;
 }
 
-/// Appends the cell of items [first, last) and its descendants. Items that agree in all of their key
-/// are keyed anew within the box that they fill, so a far outlier costs a sort and no accuracy.
+/// Appends the cell of items [first, last) and its descendants. Items that agree in all of their
+/// key are keyed anew within the box that they fill, so a far outlier costs a sort and no accuracy.
 template <class Real>
 template <class Parallel>
 void Octree<Real>::Cut(const Parallel& parallel, std::span<const Vec3<Real>> position,
