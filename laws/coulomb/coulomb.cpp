@@ -1,0 +1,44 @@
+#include "all_pairs/all_pairs.hpp"
+
+namespace {
+
+using namespace vesper;
+
+/** Coulomb's law between all pairs of charges, softened as gravitation is. */
+template <class Real>
+struct Coulomb {
+  static constexpr auto kName = "coulomb", kVersion = "1.0.0";
+  static constexpr auto kDoc = "Electrostatic forces between all pairs of charges, softened.";
+  static constexpr auto kPhase = Phase::kForce;
+  static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
+
+  Read<Real> coulomb_constant{"coulombConstant", "world", units::coulomb_constant};
+  OptionalRead<Real> softening{"softening", "world", units::metre};
+  Read<Real> charge{"charge", "body", units::coulomb};
+  Read<Vec3<Real>> position{"position", "body", units::metre};
+  Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
+
+  auto Properties() { return std::tie(coulomb_constant, softening, charge, position, force); }
+
+  void Bind() { pairs_.Resize(charge.size()); }
+
+  void Advance(const Step& step) {
+    if (coulomb_constant.size() == 0) return;  // a world without its one row
+    pairs_.Attract(step, -double{coulomb_constant[0]}, Softening(), charge, position, force);
+  }
+
+  /** k q q' / sqrt(r^2 + softening^2), summed over the pairs. */
+  double PotentialEnergy() const {
+    if (coulomb_constant.size() == 0) return 0;
+    return double{coulomb_constant[0]} * pairs_.SumOfPotentials(Softening(), charge, position);
+  }
+
+ private:
+  double Softening() const { return softening.size() == 0 ? 0 : double{softening[0]}; }
+
+  AllPairs<Real> pairs_;
+};
+
+}  // namespace
+
+VESPER_LAW_LIBRARY("coulomb", Coulomb)
