@@ -49,6 +49,22 @@ Table CsvOf(const std::string& scene, uint64_t frames, uint64_t every) {
   return ReadCsv(folder / "out.csv");
 }
 
+TEST(RunTest, SceneOfTheDocumentationRuns) {
+  const std::string page = ReadText(VESPER_DOCS "/vesper-command.md");
+  const std::string fence = "```scene\n";
+  const size_t begin = page.find(fence) + fence.size();
+  ASSERT_GT(begin, fence.size());
+  const Folder folder;
+  const Outcome outcome =
+      RunScene(folder.Write("s.vesper", page.substr(begin, page.find("```", begin) - begin)),
+               {"--frames", "2", "--every", "2", "--csv", folder / "s.csv", "--png", folder / "%d.png"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_NE(outcome.output.find("2 frames, 20 steps, t = 0.02 s"), std::string::npos)
+      << outcome.output;
+  EXPECT_EQ(ReadCsv(folder / "s.csv").at("velocity.y").size(), 6u);
+  EXPECT_GT(ReadText(folder / "2.png").size(), 0u);
+}
+
 // Semi-implicit Euler: y(n) = n v dt - n (n + 1)/2 g dt^2.
 TEST(RunTest, ProjectilesFollowTheClosedFormOfTheScheme) {
   const Table t = CsvOf("projectile.vesper", 200, 50);

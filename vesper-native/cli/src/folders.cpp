@@ -10,6 +10,12 @@ std::string ProgramFolder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path().string();
 }
 
+std::string FromFolderOf(const std::string& file, const std::string& path) {
+  const size_t slash = file.rfind('/');
+  return slash == std::string::npos || path.starts_with('/') ? path
+                                                             : file.substr(0, slash + 1) + path;
+}
+
 std::vector<std::string> DefaultLawFolders() {
   std::vector<std::string> folders;
   if (const char* path = std::getenv("VESPER_LAW_PATH")) {

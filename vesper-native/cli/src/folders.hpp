@@ -8,6 +8,8 @@ namespace vesper::cli {
 
 /// The folder that this program lies in.
 std::string ProgramFolder();
+/// A relative path in a file is meant from the folder that the file lies in.
+std::string FromFolderOf(const std::string& file, const std::string& path);
 /// From the environment variable VESPER_LAW_PATH (folders separated by ':'); else the folder
 /// `laws` beside this program, if there is one.
 std::vector<std::string> DefaultLawFolders();

@@ -91,7 +91,7 @@ void FillWeb(SceneReader& reader, const Scene&, AnyColumn& column) {
   const uint64_t spokes = reader.Count("the number of spokes", 3);
   RequireRows(reader, column, 1 + rings * spokes);
   reader.Expect("radius");
-  const double radius = reader.Number("the radius of the outer ring");
+  const double radius = reader.Quantity("the radius of the outer ring");
   SetRow(reader, column, 0, {0, 0, 0});
   for (uint64_t row = 1; row < column.rows(); ++row) {
     const double r = radius * static_cast<double>((row - 1) / spokes + 1) / static_cast<double>(rings);
@@ -174,6 +174,7 @@ void FillDistance(SceneReader& reader, const Scene& scene, AnyColumn& column) {
     reader.FailLast("needs 'endpoints' of the same kind, given before, and a real x 1");
   }
   if (position == nullptr) reader.FailLast("needs 'position', given before");
+  reader.RefuseUnit("a distance has the unit of 'position'");
   const double factor = reader.AtEnd() ? 1 : reader.Number("the factor");
   for (uint64_t row = 0; row < column.rows(); ++row) {
     const double a = endpoints->Get(2 * row), b = endpoints->Get(2 * row + 1);

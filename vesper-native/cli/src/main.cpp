@@ -16,7 +16,7 @@ using namespace vesper::cli;
 
 constexpr auto kFooter =
     "Results go to standard output, messages to standard error.\n"
-    "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid scene, 4 a law could not be loaded.";
+    "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid scene, 4 a law or the renderer could not be loaded.";
 
 void AddRun(CLI::App& app, int& code) {
   auto* command = app.add_subcommand("run", "Applies the laws of a scene, frame by frame.");
@@ -28,6 +28,18 @@ void AddRun(CLI::App& app, int& code) {
       ->check(CLI::Range(uint64_t{1}, UINT64_MAX))
       ->capture_default_str();
   command->add_option("--csv", options->csv, "Write properties to this file, frame 0 first");
+  command
+      ->add_option_function<std::string>(
+          "--png",
+          [options](const std::string& pattern) {
+            try {
+              options->png.emplace(pattern);
+            } catch (const std::invalid_argument& error) {
+              throw CLI::ValidationError("--png", error.what());
+            }
+          },
+          "Draw pictures into files with the frame's number, such as frame-%04d.png")
+      ->type_name("PATTERN");
   command->add_option("--laws", options->law_folders, "Folder with law libraries; may be repeated")
       ->capture_default_str();
   command->add_option("--threads", options->threads, "Threads")

@@ -1,5 +1,7 @@
 #include "run_command.hpp"
 
+#include <unistd.h>
+
 #include <cinttypes>
 #include <csignal>
 #include <cstdio>
@@ -10,6 +12,8 @@
 
 #include "csv.hpp"
 #include "exit_code.hpp"
+#include "folders.hpp"
+#include "picture.hpp"
 #include "scene.hpp"
 #include "text_table.hpp"
 #include "vesper/vesper.hpp"
@@ -35,9 +39,7 @@ std::string Join(const std::vector<std::string>& texts, char separator) {
 
 /// A library named by a path is looked for from the scene's folder.
 std::string Locate(const std::string& library, const std::string& scene) {
-  if (library.find('/') == std::string::npos || library[0] == '/') return library;
-  const size_t slash = scene.rfind('/');
-  return slash == std::string::npos ? library : scene.substr(0, slash + 1) + library;
+  return library.find('/') == std::string::npos ? library : FromFolderOf(scene, library);
 }
 
 int Fail(int code, const std::string& message) {
@@ -65,6 +67,7 @@ class SceneRun {
     for (auto& [name, column] : scene_.columns) column.AddTo(engine_.PropertyProvider());
     for (const SceneLaw& law : scene_.laws) Load(law);
     if (!options.csv.empty()) csv_.emplace(options.csv, CsvColumns());
+    if (options.png) pictures_.emplace(scene_, *options.png, ProgramFolder() + "/vesper-render");
   }
 
   void Advance() {
@@ -91,6 +94,7 @@ class SceneRun {
   void Report() {
     char hash[17];
     std::snprintf(hash, sizeof hash, "%016" PRIx64, engine_.StateHash());
+    if (pictures_ && isatty(STDERR_FILENO) != 0) std::cerr << "\n";
     options_.json ? ReportJson(hash) : ReportText(hash);
   }
 
@@ -141,6 +145,12 @@ class SceneRun {
 
   void Write(uint64_t frame) {
     if (csv_) csv_->WriteFrame(frame, Time(frame));
+    if (!pictures_) return;
+    pictures_->WriteFrame(frame);
+    ++picture_count_;
+    if (isatty(STDERR_FILENO) != 0) {
+      std::cerr << "\rframe " << frame << " of " << options_.frames << " is drawn" << std::flush;
+    }
   }
 
   std::vector<vesper_law_info> Laws() const {
@@ -160,6 +170,7 @@ class SceneRun {
                                   {"dt", scene_.dt},
                                   {"time", Time(frame_)},
                                   {"stateHash", hash},
+                                  {"pictures", picture_count_},
                                   {"laws", nlohmann::ordered_json::array()}};
     for (const vesper_law_info& law : Laws()) {
       report["laws"].push_back({{"library", law.library},
@@ -174,7 +185,9 @@ class SceneRun {
   void ReportText(const char* hash) const {
     std::cout << scene_.file << ": " << frame_ << " frames, " << engine_.StepCount()
               << " steps, t = " << FormatNumber(Time(frame_), VESPER_F32) << " s, state hash "
-              << hash << "\n";
+              << hash;
+    if (pictures_) std::cout << ", " << picture_count_ << " pictures";
+    std::cout << "\n";
     TextTable table;
     for (const vesper_law_info& law : Laws()) {
       const double each = law.calls == 0 ? 0 : 1e-3 * static_cast<double>(law.nanoseconds) /
@@ -191,6 +204,8 @@ class SceneRun {
   PhysicsEngine engine_;
   std::vector<vesper_library_id> libraries_;
   std::optional<CsvWriter> csv_;
+  std::optional<PictureWriter> pictures_;
+  uint64_t picture_count_ = 0;
   uint64_t frame_ = 0;
 };
 
@@ -203,6 +218,8 @@ int Run(const RunOptions& options) {
     run.emplace(ReadScene(options.scene), options);
   } catch (const LawError& error) {
     return Fail(kNotLoaded, error.what());
+  } catch (const RendererError& error) {
+    return Fail(kNotLoaded, error.what());
   } catch (const FileError& error) {
     return Fail(kFailed, error.what());
   } catch (const std::runtime_error& error) {
@@ -210,8 +227,12 @@ int Run(const RunOptions& options) {
   }
   try {
     run->Advance();
+  } catch (const RendererError& error) {
+    return Fail(kFailed, error.what());
   } catch (const FileError& error) {
     return Fail(kFailed, error.what());
+  } catch (const SceneError& error) {
+    return Fail(kInvalidScene, error.what());
   } catch (const Error& error) {
     return run->Explain(error);
   }

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "picture.hpp"
 
 namespace vesper::cli {
 
@@ -12,6 +15,7 @@ struct RunOptions {
   uint64_t frames = 60;
   uint64_t every = 1;  // frames between two that are written
   std::string csv;     // file; empty: none
+  std::optional<PicturePattern> png;  // none: no pictures
   std::vector<std::string> law_folders;
   uint32_t threads = 1;
   bool validate = false;

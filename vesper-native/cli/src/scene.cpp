@@ -8,6 +8,8 @@
 #include <ranges>
 #include <span>
 
+#include "drawing_reader.hpp"
+#include "folders.hpp"
 #include "generators.hpp"
 #include "scene_reader.hpp"
 
@@ -42,7 +44,7 @@ class SceneParser {
     const char* name;
     void (SceneParser::*read)();
   };
-  static const std::array<Statement, 7> kStatements;
+  static const std::array<Statement, 12> kStatements;
 
   void ReadHeader() {
     if (!reader_.NextLine() || !reader_.Accept("scene") ||
@@ -101,6 +103,10 @@ class SceneParser {
                               ? std::string()
                               : "; give '" + std::string(property.initial_from) + "' instead"));
       }
+      if (property.scalar_type == VESPER_I32 || property.scalar_type == VESPER_U32) {
+        reader_.RefuseUnit("'" + name + "' is a whole number without a unit");
+      }
+      reader_.UseUnit(property.unit, "'" + name + "'");
       const auto found = scene_.columns.find(name);
       if (found != scene_.columns.end()) return found->second;
       const uint64_t rows = scene_.rows.at(kind_);
@@ -123,12 +129,31 @@ class SceneParser {
     if (!scene_.rows.empty()) reader_.FailLast("must come before the first 'rows'");
     const Names known{"si-f64", "si-f32"};
     const std::string name = reader_.Word("a prototype");
-    if (std::ranges::find(known, name) == known.end()) reader_.FailUnknown("prototype", known);
-    scene_.prototype = &StandardPrototype(name);
+    const vesper_unit time = scene_.prototype->time_unit;
+    if (name.find_first_of("./") != std::string::npos) {
+      LoadPrototype(name);
+    } else if (std::ranges::find(known, name) == known.end()) {
+      reader_.FailUnknown("prototype", known);
+    } else {
+      scene_.prototype = &StandardPrototype(name);
+    }
+    if (scene_.dt != 0 && scene_.prototype->time_unit.scale != time.scale) {
+      reader_.FailLast("has another unit of time; expected it before 'dt'");
+    }
+  }
+
+  void LoadPrototype(const std::string& path) {
+    try {
+      scene_.own_prototype.emplace(FromFolderOf(scene_.file, path));
+    } catch (const Error& error) {
+      reader_.FailLast(error.what());
+    }
+    scene_.prototype = &scene_.own_prototype->get();
   }
 
   void ReadDt() {
-    scene_.dt = reader_.Number("the length of a step in seconds");
+    reader_.UseUnit(scene_.prototype->time_unit, "time");
+    scene_.dt = reader_.Quantity("the length of a step in seconds");
     if (scene_.dt <= 0) reader_.FailLast("expected a time above 0");
   }
 
@@ -155,32 +180,10 @@ class SceneParser {
     if (kind_ == "world" && scene_.rows[kind_] != 1) reader_.FailLast("the world has 1 row");
   }
 
-  /// Row numbers and ranges A..B, up to where they end.
-  std::vector<uint64_t> ReadRowNumbers(uint64_t rows, const std::string& kind) {
-    std::vector<uint64_t> numbers;
-    while (!reader_.Peek().empty() && std::isdigit(static_cast<unsigned char>(reader_.Peek()[0]))) {
-      const std::string word = reader_.Word("a row");
-      const size_t dots = word.find("..");
-      double first, last;
-      if (!ParseNumber(word.substr(0, dots), first) ||
-          !ParseNumber(dots == std::string::npos ? word : word.substr(dots + 2), last) ||
-          first != std::floor(first) || last != std::floor(last) || last < first) {
-        reader_.FailLast("expected a row number, or a range such as 3..7");
-      }
-      if (last >= static_cast<double>(rows)) {
-        reader_.FailLast(kind + " has " + std::to_string(rows) + " rows; they count from 0");
-      }
-      for (auto row = static_cast<uint64_t>(first); row <= static_cast<uint64_t>(last); ++row) {
-        numbers.push_back(row);
-      }
-    }
-    return numbers;
-  }
-
   /// at ROW…: PROPERTY VALUE
   void ReadAt() {
     if (kind_.empty()) reader_.FailLast("must come after 'rows'");
-    const auto rows = ReadRowNumbers(scene_.rows.at(kind_), kind_);
+    const auto rows = reader_.RowNumbers(scene_.rows.at(kind_), kind_);
     if (rows.empty()) throw SceneError(reader_.Here(), "expected row numbers");
     reader_.Expect(":");
     Names names;
@@ -206,16 +209,23 @@ class SceneParser {
     }
   }
 
+  template <void (*read)(SceneReader&, Scene&)>
+  void Draw() {
+    read(reader_, scene_);
+  }
+
   SceneReader reader_;
   Scene scene_;
   std::string kind_;  // of the rows that are being described
 };
 
-const std::array<SceneParser::Statement, 7> SceneParser::kStatements{{
+const std::array<SceneParser::Statement, 12> SceneParser::kStatements{{
     {"prototype", &SceneParser::ReadPrototype}, {"dt", &SceneParser::ReadDt},
     {"steps", &SceneParser::ReadSteps},         {"law", &SceneParser::ReadLaw},
     {"rows", &SceneParser::ReadRows},           {"at", &SceneParser::ReadAt},
-    {"csv", &SceneParser::ReadCsv},
+    {"csv", &SceneParser::ReadCsv},             {"image", &SceneParser::Draw<ReadImage>},
+    {"camera", &SceneParser::Draw<ReadCamera>}, {"background", &SceneParser::Draw<ReadBackground>},
+    {"ground", &SceneParser::Draw<ReadGround>}, {"draw", &SceneParser::Draw<ReadDraw>},
 }};
 
 }  // namespace

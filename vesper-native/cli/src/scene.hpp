@@ -4,9 +4,11 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "drawing.hpp"
 #include "token.hpp"
 #include "vesper/kit/column.hpp"
 
@@ -21,13 +23,15 @@ struct SceneLaw {
 struct Scene {
   std::string file;
   const vesper_prototype* prototype = nullptr;
-  double dt = 0;            // [s]
+  std::optional<LoadedPrototype> own_prototype;  // if it comes from a file
+  double dt = 0;            // [the prototype's unit of time]
   uint32_t steps = 1;       // per frame
   std::vector<SceneLaw> laws;
   std::map<std::string, uint64_t> rows;      // of each kind
   std::map<std::string, AnyColumn> columns;  // by property
   std::map<std::string, Place> places;       // where a property was given
   std::vector<std::string> csv;              // properties, all of one kind
+  Drawing drawing;
 
   const AnyColumn* Find(const std::string& property) const;
 };

@@ -2,10 +2,12 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "token.hpp"
+#include "vesper/types.h"
 
 namespace vesper::cli {
 
@@ -27,9 +29,19 @@ class SceneReader {
   /// The next word; `what` names it in the message if there is none.
   std::string Word(const std::string& what);
   double Number(const std::string& what);
+  /// A number in the unit of UseUnit.
+  double Quantity(const std::string& what);
   /// A whole number of at least `minimum`.
   uint64_t Count(const std::string& what, uint64_t minimum);
+  /// Numbers in the unit of UseUnit.
   Value ReadValue(const std::string& what);
+  /// Row numbers and ranges A..B up to where they end, all below `rows`.
+  std::vector<uint64_t> RowNumbers(uint64_t rows, const std::string& kind);
+  /// From here on quantities are those of `what`, kept in `unit`: if the line ends with a unit, they
+  /// are converted from it.
+  void UseUnit(const vesper_unit& unit, const std::string& what);
+  /// Refuses a unit at the end of the line.
+  void RefuseUnit(const std::string& reason) const;
   void ExpectEnd();
   void Expect(const std::string& text);
 
@@ -45,6 +57,7 @@ class SceneReader {
 
  private:
   const Token& Take(const std::string& what);
+  [[noreturn]] void FailUnit(const std::string& message) const;
 
   std::string text_;
   Place place_;
@@ -52,6 +65,9 @@ class SceneReader {
   size_t line_length_ = 0;
   std::vector<Token> tokens_;
   size_t next_ = 0;
+  std::optional<Token> unit_;  // at the end of the line
+  bool unit_used_ = false;
+  double scale_ = 1;           // of quantities
 };
 
 }  // namespace vesper::cli

@@ -39,10 +39,16 @@ std::vector<Token> Tokenize(std::string_view line, Place place) {
       if (end == std::string_view::npos) throw SceneError(place, "a quote without its end");
       tokens.push_back({std::string(line.substr(at + 1, end - at - 1)), place.column, true});
       at = end + 1;
+    } else if (line[at] == '[') {
+      const size_t end = line.find(']', at);
+      if (end == std::string_view::npos) throw SceneError(place, "'[' without its ']'");
+      tokens.push_back({std::string(line.substr(at, end + 1 - at)), place.column});
+      at = end + 1;
     } else {
       size_t end = at;
       while (end < line.size() && static_cast<unsigned char>(line[end]) > ' ' &&
-             kSigns.find(line[end]) == std::string_view::npos && line[end] != '"') {
+             kSigns.find(line[end]) == std::string_view::npos && line[end] != '"' &&
+             line[end] != '[') {
         ++end;
       }
       tokens.push_back({std::string(line.substr(at, end - at)), place.column});

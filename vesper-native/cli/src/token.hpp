@@ -23,15 +23,17 @@ class SceneError : public std::runtime_error {
                            std::to_string(place.column) + ": " + message) {}
 };
 
-/// A word, one of ( ) : =, or a "quoted text" without its quotes.
+/// A word, one of ( ) : =, a "quoted text" without its quotes, or a [unit] with its brackets.
 struct Token {
   std::string text;
   int column;
   bool quoted = false;
+
+  bool is_unit() const { return !quoted && text.starts_with('['); }
 };
 
 /// Tokens of one line up to a comment, which is `#` at the start of a word and before a blank or
-/// the end of the line. Throws SceneError for a quote without its end and for control characters.
+/// the end of the line. Throws SceneError for a quote or a unit without its end and for control characters.
 std::vector<Token> Tokenize(std::string_view line, Place place);
 
 /// "1.5", "-2e3" or a fraction such as "1/240". False if `text` is no finite number.

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <fstream>
 
 namespace vesper::cli {
 namespace {
@@ -55,6 +56,69 @@ TEST(SceneTest, ValuesAreListedRowByRowAndChangedByAt) {
                             "at 0 2..2: mass 1/2\n");
   EXPECT_EQ(Values(scene, "mass"), (std::vector<double>{0.5, 2, 0.5}));
   EXPECT_EQ(Values(scene, "position"), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9}));
+}
+
+TEST(SceneTest, UnitAtTheEndOfALineHoldsForAllItsValues) {
+  const Scene scene = ParseScene(
+      "scene 1\ndt 5 [ms]\nrows world 1\ngravity (0 -981 0) [cm/s^2]\nrows body 2\n"
+      "mass line 1 3 [g]\nvelocity (36 0 0) (0 72 0) [km/h]\n"
+      "position grid 2 1 1 spacing 2 origin (1 1 1) [km]\nat 1: mass 1/2 [t]\n"
+      "charge random 1 2 seed 3 [uC]\nradius all 3 # [km]\n", "s");
+  EXPECT_DOUBLE_EQ(scene.dt, 0.005);
+  const auto expect_near = [&](const char* property, const std::vector<double>& expected) {
+    const auto values = Values(scene, property);
+    ASSERT_EQ(values.size(), expected.size());
+    for (size_t i = 0; i < values.size(); ++i) EXPECT_DOUBLE_EQ(values[i], expected[i]) << property;
+  };
+  expect_near("gravity", {0, -9.81, 0});
+  expect_near("mass", {1e-3, 500});
+  expect_near("velocity", {10, 0, 0, 0, 20, 0});
+  expect_near("position", {1000, 1000, 1000, 3000, 1000, 1000});
+  expect_near("radius", {3, 3});
+  for (const double charge : Values(scene, "charge")) {
+    EXPECT_GE(charge, 1e-6);
+    EXPECT_LE(charge, 2e-6);
+  }
+}
+
+TEST(SceneTest, PrototypeMayComeFromAFileBesideTheScene) {
+  const std::string folder = ::testing::TempDir();
+  std::ofstream(folder + "heat.prototype")
+      << "prototype heat extends si-f64\nbody temperature: real x1 [K] read_write\n";
+  const Scene scene = ParseScene("scene 1\nprototype heat.prototype\ndt 1\nrows body 2\n"
+                                 "temperature 20 2000 [mK]\n", folder + "s.vesper");
+  EXPECT_STREQ(scene.prototype->name, "heat");
+  EXPECT_EQ(Values(scene, "temperature"), (std::vector<double>{0.02, 2}));
+  EXPECT_EQ(ErrorOf("scene 1\nprototype ./none.prototype\n").substr(0, 19), "s:2:11: NOT_FOUND: ");
+}
+
+TEST(SceneTest, TimeUnitOfAPrototypeMustBeKnownBeforeDt) {
+  const std::string folder = ::testing::TempDir();
+  std::ofstream(folder + "slow.prototype") << "prototype slow\nreal f64\ntime [h]\n"
+                                              "car place: real x1 [km] read_write\n";
+  const std::string file = folder + "s.vesper";
+  EXPECT_DOUBLE_EQ(ParseScene("scene 1\nprototype slow.prototype\ndt 30 [min]\n", file).dt, 0.5);
+  EXPECT_THROW(ParseScene("scene 1\ndt 30 [min]\nprototype slow.prototype\n", file), SceneError);
+}
+
+TEST(SceneTest, DrawingIsWhatItsLinesSay) {
+  const Scene scene = Parse(
+      "image 100 50\ncamera from (1 2 3) at (0 0 0) fov 30\nbackground #102030\nground -1 #ffffff\n"
+      "rows body 3\nposition all (0 0 0)\nmass 1 2 3\n"
+      "draw body 0 2 radius 0.1 colour #000000 #ffffff by mass 1 3 unlit\n");
+  const Drawing& drawing = scene.drawing;
+  EXPECT_EQ(drawing.width, 100u);
+  EXPECT_EQ(drawing.height, 50u);
+  EXPECT_EQ(drawing.camera->eye, (Vec3<double>{1, 2, 3}));
+  EXPECT_EQ(drawing.camera->fov, 30);
+  EXPECT_EQ(drawing.bottom, (Colour{16, 32, 48, 255}));
+  EXPECT_EQ(drawing.ground->height, -1);
+  ASSERT_EQ(drawing.lines.size(), 1u);
+  EXPECT_EQ(drawing.lines[0].rows, (std::vector<uint64_t>{0, 2}));
+  EXPECT_EQ(drawing.lines[0].paint.colours.size(), 2u);
+  EXPECT_EQ(drawing.lines[0].paint.property, "mass");
+  EXPECT_EQ(drawing.lines[0].radius, 0.1);
+  EXPECT_TRUE(drawing.lines[0].unlit);
 }
 
 TEST(SceneTest, SinglePrecisionHoldsSinglePrecision) {
@@ -175,9 +239,61 @@ const Wrong kWrong[] = {
     {"at 1 mass 1", "6: found 'mass'; expected ':'"},
     {"at 1: length 1", "7: 'length' is a property of spring, not of body; it belongs below 'rows "
                        "spring …'"},
+    {"mass all 1 [m]", "12: [m] is no unit of 'mass'; expected one of the same dimension as [kg]"},
+    {"mass all 1 [kq]", "12: INVALID_ARGUMENT: unit 'kq', column 1: unknown unit 'kq'; did you mean "
+                        "'kg'?"},
+    {"mass all 1 [kg", "12: '[' without its ']'"},
+    {"mass all [kg] 1", "10: found '[kg]'; expected a value of 'mass', a number such as 1.5, 2e-3 or "
+                        "1/240"},
+    {"at 1: length 1 [kg]", "7: 'length' is a property of spring, not of body; it belongs below "
+                            "'rows spring …'"},
+    {"steps 4 [s]", "9: a unit does not belong here; expected the end of the line"},
+    {"dt 1 [m]", "6: [m] is no unit of time; expected one of the same dimension as [s]"},
+    {"image 10 9000", "10: a picture has at most 8192 pixels a side and 16777216 in all"},
+    {"camera (0 0 1)", "8: found '('; expected 'from'"},
+    {"camera from (0 0) at (0 0 0)", "17: expected where the camera is, a point such as (0 1 5)"},
+    {"camera from (0 9 0) at (0 0 0)", "30: expected a direction that is not along the y axis, which "
+                                       "is up in the picture"},
+    {"camera from (0 0 1) at (0 0 0) fov 180", "36: expected the field of view in degrees, from 0.1 "
+                                               "to 170"},
+    {"background red", "12: found 'red'; expected a colour such as #3498db"},
+    {"draw surface", "6: 'surface' has no rows yet"},
+    {"draw body", "6: 'body' cannot be drawn: it has neither 'position' nor two or three references "
+                  "to a kind that has"},
     {"csv positoin", "5: 'positoin' is no property; did you mean 'position'?"},
 };
 INSTANTIATE_TEST_SUITE_P(Lines, SceneLineErrorTest, ::testing::ValuesIn(kWrong));
+
+const Wrong kWrongDrawing[] = {
+    {"draw body raduis 1", "11: 'raduis' is no option of 'draw body'; did you mean 'radius'?"},
+    {"draw body width 1", "11: 'width' is no option of 'draw body'; there are colour, radius, unlit"},
+    {"draw body radius -1", "18: expected a radius of at least 0"},
+    {"draw body 3 radius 1", "11: body has 3 rows; they count from 0"},
+    {"draw body colour #12345", "18: found '#12345'; expected a colour such as #3498db"},
+    {"draw body colour #123456 #123456", "33: found the end of the line; expected 'by'"},
+    {"draw body colour #123456 #123456 by mass 0 1", "37: 'mass' has no values yet"},
+    {"draw body colour #123456 #123456 by length 0 1",
+     "37: 'length' is a property of spring, not of body"},
+    {"draw body colour #123456 #123456 by position 1 1",
+     "48: expected a value above that of the first colour"},
+    {"draw spring unlit", "13: 'unlit' is no option of 'draw spring'; there are colour, width"},
+    {"draw spring width 65", "19: expected the width in pixels, from 0.25 to 64"},
+};
+class SceneDrawingErrorTest : public ::testing::TestWithParam<Wrong> {};
+TEST_P(SceneDrawingErrorTest, NamesPlaceFoundAndExpected) {
+  EXPECT_EQ(ErrorOf("scene 1\ndt 1\nrows body 3\nposition all (0 0 0)\nrows spring 1\n"
+                    "endpoints (0 1)\nlength 1\n" + std::string(GetParam().line)),
+            std::string("s:8:") + GetParam().error);
+}
+INSTANTIATE_TEST_SUITE_P(Lines, SceneDrawingErrorTest, ::testing::ValuesIn(kWrongDrawing));
+
+TEST(SceneErrorTest, WholeNumbersHaveNoUnitAndDistancesThatOfPositions) {
+  const std::string head = "scene 1\nrows body 2\nposition all (0 0 0)\nrows spring 1\n";
+  EXPECT_EQ(ErrorOf(head + "endpoints (0 1) [m]\n"),
+            "s:5:17: 'endpoints' is a whole number without a unit");
+  EXPECT_EQ(ErrorOf(head + "endpoints (0 1)\nlength distance 2 [cm]\n"),
+            "s:6:19: a distance has the unit of 'position'");
+}
 
 TEST(SceneErrorTest, RowsOfTheWorldAreOne) {
   EXPECT_EQ(ErrorOf("scene 1\nrows world 2\n"), "s:2:12: the world has 1 row");

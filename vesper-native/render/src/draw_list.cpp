@@ -28,7 +28,7 @@ float Radius(Shape shape, const Vector3f& size, float mesh_reach) {
 /// The coarsest sphere whose outline stays within a quarter of a pixel of the true circle.
 uint32_t SphereLevel(float radius_pixels) {
   // Radius [px] up to which each level will do: the edges' sagitta shrinks fourfold per level.
-  float reach = 6;
+  float reach = 1.5F;
   int level = kCoarsestSphere;
   for (; level < kFinestSphere && radius_pixels > reach; ++level) reach *= 4;
   return static_cast<uint32_t>(level);

@@ -20,7 +20,7 @@ struct InstanceRecord {
 };
 static_assert(sizeof(InstanceRecord) == 64);
 
-inline constexpr int kCoarsestSphere = 1, kFinestSphere = 5;
+inline constexpr int kCoarsestSphere = 0, kFinestSphere = 5;
 
 /// What draws an instance: `detail` is the level of a sphere or the id of a mesh, else 0.
 struct MeshKey {
