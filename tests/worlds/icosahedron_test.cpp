@@ -1,0 +1,154 @@
+// The paper's example 2: one icosahedron that is solid or goo, rolls or slides.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "program.hpp"
+#include "vesper/law.hpp"
+
+namespace vesper {
+namespace {
+
+using Json = nlohmann::json;
+using Vector = Vec3<double>;
+
+const std::string kFolder = VESPER_WORLDS "/icosahedron/";
+constexpr size_t kCorners = 12, kBodies = 15;
+constexpr double kEdge = 1.0514622;  // of an icosahedron of radius 1 m
+
+/// Positions and velocities of the corners at the end of a frame.
+struct Corners {
+  std::array<Vector, kCorners> position, velocity;
+
+  static Vector Mean(const std::array<Vector, kCorners>& of) {
+    Vector sum;
+    for (const Vector& v : of) sum += v;
+    return sum * (1.0 / kCorners);
+  }
+  Vector Centre() const { return Mean(position); }
+};
+
+std::vector<Corners> ReadFrames(const std::string& csv) {
+  std::vector<Corners> frames;
+  std::istringstream lines(csv);
+  std::string line;
+  std::getline(lines, line);
+  for (size_t n = 0; std::getline(lines, line); ++n) {
+    if (n % kBodies == 0) frames.emplace_back();
+    std::ranges::replace(line, ',', ' ');
+    std::istringstream values(line);
+    double frame, time;
+    size_t row;
+    Vector x, v;
+    values >> frame >> time >> row >> x.x >> x.y >> x.z >> v.x >> v.y >> v.z;
+    if (!values || row != n % kBodies) throw std::runtime_error("unexpected line: " + line);
+    if (row < kCorners) {
+      frames.back().position[row] = x;
+      frames.back().velocity[row] = v;
+    }
+  }
+  return frames;
+}
+
+struct SceneRun {
+  std::vector<Corners> frames;
+  std::string state_hash;
+};
+
+SceneRun RunScene(const std::string& name, int seconds, int threads) {
+  const Folder folder;
+  const Outcome outcome = RunProgram(
+      VESPER_COMMAND, {"run", kFolder + name + ".vesper", "--laws", VESPER_LAW_PATH, "--frames",
+                       std::to_string(60 * seconds), "--threads", std::to_string(threads), "--csv",
+                       folder / "frames.csv", "--json"});
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
+  return {ReadFrames(ReadText(folder / "frames.csv")), Json::parse(outcome.output)["stateHash"]};
+}
+
+/// Largest relative change of an edge at the end. Edges join the corners nearest to each other at
+/// the start.
+double EdgeChange(const std::vector<Corners>& frames) {
+  double change = 0;
+  int edges = 0;
+  for (size_t i = 0; i < kCorners; ++i) {
+    for (size_t j = 0; j < i; ++j) {
+      const auto length = [&](const Corners& at) { return Length(at.position[i] - at.position[j]); };
+      if (std::abs(length(frames.front()) - kEdge) > 1e-3) continue;
+      ++edges;
+      change = std::max(change, std::abs(length(frames.back()) / kEdge - 1));
+    }
+  }
+  EXPECT_EQ(edges, 30);
+  return change;
+}
+
+/// How far a corner was ever below the slope [m].
+double DeepestCorner(const std::vector<Corners>& frames, double slope) {
+  double depth = 0;
+  for (const Corners& at : frames) {
+    for (const Vector& p : at.position) {
+      depth = std::max(depth, -p.y * std::cos(slope) - p.x * std::sin(slope));
+    }
+  }
+  return depth;
+}
+
+/// Clockwise about z, from the angle of the corner that is farthest from the axis [rad].
+double Turned(const std::vector<Corners>& frames) {
+  const auto arm = [](const Corners& at, size_t corner) {
+    const Vector r = at.position[corner] - at.Centre();
+    return Vector{r.x, r.y, 0};
+  };
+  size_t far = 0;
+  for (size_t i = 1; i < kCorners; ++i) {
+    if (Length(arm(frames[0], i)) > Length(arm(frames[0], far))) far = i;
+  }
+  double turned = 0;
+  for (size_t n = 1; n < frames.size(); ++n) {
+    const Vector a = arm(frames[n - 1], far), b = arm(frames[n], far);
+    turned -= std::atan2(Cross(a, b).z, Dot(a, b));
+  }
+  return turned;
+}
+
+/// Everything that expected.json may speak of.
+Json Measure(const std::vector<Corners>& frames, double slope) {
+  const Vector path = frames.back().Centre() - frames.front().Centre();
+  return {{"edgeChange", EdgeChange(frames)},
+          {"deepestCorner", DeepestCorner(frames, slope)},
+          {"endHeight", frames.back().Centre().y},
+          {"endSpeed", Length(Corners::Mean(frames.back().velocity))},
+          {"distance", path.x * std::cos(slope) - path.y * std::sin(slope)},
+          {"turnedRadians", Turned(frames)}};
+}
+
+class Icosahedron : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Icosahedron, DoesWhatIsExpectedOfIt) {
+  const Json expected = Json::parse(ReadText(kFolder + "expected.json"))[GetParam()];
+  const SceneRun run = RunScene(GetParam(), expected["seconds"], 1);
+  const double slope = expected["slopeDegrees"].get<double>() * std::numbers::pi / 180;
+  const Json measured = Measure(run.frames, slope);
+  int bounds = 0;
+  for (const auto& [name, bound] : expected.items()) {
+    if (!bound.is_object()) continue;
+    EXPECT_GE(measured.at(name).get<double>(), bound["from"].get<double>()) << name;
+    EXPECT_LE(measured.at(name).get<double>(), bound["to"].get<double>()) << name;
+    ++bounds;
+  }
+  EXPECT_GE(bounds, 3);
+}
+
+TEST_P(Icosahedron, EndsInTheSameStateOnTwoThreads) {
+  EXPECT_EQ(RunScene(GetParam(), 1, 1).state_hash, RunScene(GetParam(), 1, 2).state_hash);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scenes, Icosahedron,
+                         ::testing::Values("solid", "goo", "rolling", "sliding"),
+                         [](const auto& info) { return std::string(info.param); });
+
+}  // namespace
+}  // namespace vesper
