@@ -127,6 +127,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_desc, advance),
     FIELD(vesper_law_desc, destroy),
     FIELD(vesper_law_desc, potential_energy),
+    FIELD(vesper_law_desc, synchronize),
 
     STRUCT(vesper_field_desc),
     FIELD(vesper_field_desc, struct_size),
@@ -175,6 +176,8 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_engine_config, probe_path),
     FIELD(vesper_engine_config, log),
     FIELD(vesper_engine_config, log_user),
+    FIELD(vesper_engine_config, deferred),
+    FIELD(vesper_engine_config, reserved),
 
     STRUCT(vesper_law_info),
     FIELD(vesper_law_info, struct_size),

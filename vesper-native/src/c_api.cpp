@@ -187,6 +187,11 @@ vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t s
   return Guarded(error, [&] { Required(engine, "engine").Advance(dt, steps); });
 }
 
+vesper_status vesper_engine_synchronize(vesper_engine* engine, const char* const* names,
+                                        uint32_t count, vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").Synchronize(names, count); });
+}
+
 vesper_status vesper_engine_clear_fault(vesper_engine* engine, vesper_error* error) noexcept {
   return Guarded(error, [&] { Required(engine, "engine").ClearFault(); });
 }

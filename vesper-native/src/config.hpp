@@ -17,6 +17,7 @@ struct Config {
 
   uint32_t threads;
   bool validate;
+  bool deferred;
   uint32_t probe_timeout_ms;
   std::string law_path;
   std::string probe_path;

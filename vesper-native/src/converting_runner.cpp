@@ -50,7 +50,15 @@ class ConvertingRunner final : public LawRunner {
   void Advance(const vesper_step& step) override {
     CopyIn();
     inner_->Advance(step);
-    CopyOut();
+    for (size_t i = 0; i < seen_.size(); ++i) {
+      if (seen_[i].access != VESPER_READ && !law_.Defers(i)) CopyOut(i);
+    }
+  }
+
+  void Synchronize(uint32_t use) override {
+    CopyIn();
+    inner_->Synchronize(use);
+    CopyOut(use);
   }
 
  private:
@@ -77,21 +85,19 @@ class ConvertingRunner final : public LawRunner {
     }
   }
 
-  void CopyOut() {
-    for (size_t i = 0; i < seen_.size(); ++i) {
-      if (!IsConverted(i) || seen_[i].access == VESPER_READ) continue;
-      const vesper_property& target = (*targets_)[i];
-      const uint64_t count = ValueCount(target);
-      const UnitRatio back = ratios_[i].Inverse();
-      if (seen_[i].access == VESPER_READ_WRITE) {
-        // A value that the law left alone keeps its bits, whatever rounding there and back does.
-        ConvertChanged(target.scalar_type, target.data, seen_[i].data, columns_[i].before.data(),
-                       back, count);
-      } else {
-        Convert(target.scalar_type, target.data, seen_[i].data, back, count);
-      }
-      CheckFinite(target);
+  void CopyOut(size_t i) {
+    if (!IsConverted(i)) return;
+    const vesper_property& target = (*targets_)[i];
+    const uint64_t count = ValueCount(target);
+    const UnitRatio back = ratios_[i].Inverse();
+    if (seen_[i].access == VESPER_READ_WRITE) {
+      // A value that the law left alone keeps its bits, whatever rounding there and back does.
+      ConvertChanged(target.scalar_type, target.data, seen_[i].data, columns_[i].before.data(),
+                     back, count);
+    } else {
+      Convert(target.scalar_type, target.data, seen_[i].data, back, count);
     }
+    CheckFinite(target);
   }
 
   void CheckFinite(const vesper_property& target) const {

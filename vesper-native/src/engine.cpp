@@ -186,6 +186,7 @@ void vesper_engine::FindProperty(const char* name, vesper_property& out) {
   const vesper::PropertySpec& spec = columns_.spec(property);
   const vesper::Column& column = columns_[property];
   if (!column.bound) throw NotBound(spec.name);
+  FaultIfFails([&] { schedule_.deferred().Synchronize(property); });
   out.scalar_type = spec.type;
   out.name = spec.name.c_str();
   out.kind = prototype_.kinds()[spec.kind].c_str();
@@ -196,8 +197,8 @@ void vesper_engine::FindProperty(const char* name, vesper_property& out) {
   out.version = column.version;
 }
 
-void vesper_engine::Touch(const char* const* names, uint32_t count) {
-  const Turn turn(*this);
+std::vector<uint32_t> vesper_engine::BoundProperties(const char* const* names,
+                                                     uint32_t count) const {
   std::vector<uint32_t> properties;
   if (names == nullptr) {
     for (uint32_t i = 0; i < columns_.size(); ++i) {
@@ -209,7 +210,12 @@ void vesper_engine::Touch(const char* const* names, uint32_t count) {
   for (uint32_t property : properties) {
     if (!columns_[property].bound) throw NotBound(columns_.spec(property).name);
   }
-  for (uint32_t property : properties) columns_.Touch(property);
+  return properties;
+}
+
+void vesper_engine::Touch(const char* const* names, uint32_t count) {
+  const Turn turn(*this);
+  for (uint32_t property : BoundProperties(names, count)) columns_.Touch(property);
 }
 
 vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
@@ -277,6 +283,7 @@ void vesper_engine::CheckConflicts(const vesper::LawLibrary& added) const {
 void vesper_engine::Unload(vesper_library_id id) {
   const Turn turn(*this);
   const auto found = FindLibrary(id);
+  FaultIfFails([&] { schedule_.deferred().SynchronizeHeldBy(**found); });
   for (const auto& field : (*found)->fields()) columns_.Remove(field->property);
   libraries_.erase(found);
   schedule_.Plan(libraries_);
@@ -325,17 +332,37 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
   if (!std::isfinite(dt) || dt <= 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "dt is %g, expected a finite number above 0", dt);
   }
-  if (faulted_) {
-    throw Failure(VESPER_FAULTED,
-                  "a step failed; restore the arrays and clear the fault, or unload the law")
-        .Library(faulted_library_);
-  }
+  RefuseIfFaulted();
   RefreshColumns();
   if (config_.validate) columns_.CheckReferences();
+  vesper::DeferredWrites& deferred = schedule_.deferred();
+  if (!config_.deferred) deferred.TakeArrays();  // the client may have edited any
+  if (!schedule_.IsBound()) FaultIfFails([&] { deferred.SynchronizeAll(); });
   schedule_.Bind();
   schedule_.KeepScratch();
+  FaultIfFails([&] {
+    try {
+      for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
+      if (!config_.deferred) deferred.SynchronizeAll();
+    } catch (...) {
+      schedule_.RestoreScratch();
+      throw;
+    }
+  });
+  step_count_ += steps;
+}
+
+void vesper_engine::RefuseIfFaulted() const {
+  if (!faulted_) return;
+  throw Failure(VESPER_FAULTED,
+                "a step failed; restore the arrays and clear the fault, or unload the law")
+      .Library(faulted_library_);
+}
+
+template <class Body>
+void vesper_engine::FaultIfFails(Body&& body) {
   try {
-    for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
+    body();
   } catch (const Failure& failure) {
     Fault(failure.error().library_id);
     throw;
@@ -343,13 +370,20 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
     Fault(VESPER_NO_LIBRARY);
     throw;
   }
-  step_count_ += steps;
 }
 
 void vesper_engine::Fault(vesper_library_id library) {
-  schedule_.RestoreScratch();
+  schedule_.deferred().TakeArrays();
   faulted_ = true;
   faulted_library_ = library;
+}
+
+void vesper_engine::Synchronize(const char* const* names, uint32_t count) {
+  const Turn turn(*this);
+  RefuseIfFaulted();
+  for (uint32_t property : BoundProperties(names, count)) {
+    FaultIfFails([&] { schedule_.deferred().Synchronize(property); });
+  }
 }
 
 void vesper_engine::ClearFault() {
@@ -384,11 +418,9 @@ void vesper_engine::MoveRow(const char* kind, uint64_t from, uint64_t to) {
 
 uint64_t vesper_engine::StateHash() {
   const Turn turn(*this);
-  if (faulted_) {
-    throw Failure(VESPER_FAULTED, "a step failed; the arrays are undefined until they are restored")
-        .Library(faulted_library_);
-  }
+  RefuseIfFaulted();
   RefreshColumns();
+  FaultIfFails([&] { schedule_.deferred().SynchronizeAll(); });
   return vesper::HashState(step_count_, columns_);
 }
 
@@ -413,11 +445,13 @@ vesper::EngineState vesper_engine::State() const {
 
 std::vector<std::byte> vesper_engine::SaveState() {
   const Turn turn(*this);
+  FaultIfFails([&] { schedule_.deferred().SynchronizeAll(); });
   return vesper::SaveState(State());
 }
 
 void vesper_engine::LoadState(std::span<const std::byte> saved) {
   const Turn turn(*this);
   step_count_ = vesper::LoadState(saved, State());
+  schedule_.deferred().TakeArrays();
   schedule_.Forget();
 }

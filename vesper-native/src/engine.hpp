@@ -46,6 +46,7 @@ struct vesper_engine {
   void LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const;
 
   void Advance(double dt, uint32_t steps);
+  void Synchronize(const char* const* names, uint32_t count);
   void ClearFault();
   void MoveRow(const char* kind, uint64_t from, uint64_t to);
   uint64_t StateHash();
@@ -57,8 +58,14 @@ struct vesper_engine {
 
   std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator FindLibrary(
       vesper_library_id id) const;
-  /// A step failed: undoes the laws' scratch; the client restores its arrays.
+  /// Runs `body`, after whose failure arrays are undefined.
+  template <class Body>
+  void FaultIfFails(Body&& body);
+  /// From here on the client restores its arrays, and laws hold nothing that is newer.
   void Fault(vesper_library_id library);
+  void RefuseIfFaulted() const;
+  /// By name, or all that are bound if `names` is null.
+  std::vector<uint32_t> BoundProperties(const char* const* names, uint32_t count) const;
   void MatchFields(const vesper_law_library& table, vesper::LawLibrary& added) const;
   const vesper::LawLibrary* FieldOwner(uint32_t property) const;
   void RefuseFieldOfLibrary(uint32_t property) const;

@@ -3,10 +3,16 @@
 #include <chrono>
 
 #include "foreign_call.hpp"
+#include "struct_array.hpp"
 
 namespace vesper {
 
-Law::Law(const vesper_law_desc& desc) : desc_(desc), label_(std::string("law ") + desc.name) {}
+Law::Law(const vesper_law_desc& desc) : desc_(desc), label_(std::string("law ") + desc.name) {
+  const StructArray uses(desc.uses, desc.use_count, "uses");
+  for (uint32_t i = 0; i < uses.size(); ++i) {
+    deferred_.push_back((uses[i].flags & VESPER_USE_DEFERRED) != 0);
+  }
+}
 
 Law::~Law() {
   if (law_ != nullptr) CallForeignQuietly([this] { desc_.destroy(law_); });
@@ -37,6 +43,11 @@ void Law::Advance(const vesper_step& step) {
   const auto spent = std::chrono::steady_clock::now() - start;
   nanoseconds_ += static_cast<uint64_t>(
       std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
+}
+
+void Law::Synchronize(uint32_t use) {
+  CallForeign(label_,
+              [&](vesper_error* error) { return desc_.synchronize(law_, use, error); });
 }
 
 }  // namespace vesper

@@ -20,8 +20,12 @@ class Law {
   void Create(const vesper_host& host, vesper_suite* suite, const std::vector<double>& parameters);
   void Bind(const std::vector<vesper_property>& properties);
   void Advance(const vesper_step& step);
+  /// Writes the array of a use that it deferred.
+  void Synchronize(uint32_t use);
 
   const vesper_law_desc& desc() const { return desc_; }
+  /// Whether a use is DEFERRED, by its place.
+  bool Defers(size_t use) const { return deferred_[use]; }
   /// "law hooke_spring", for messages.
   const std::string& label() const { return label_; }
   uint64_t calls() const { return calls_; }
@@ -30,6 +34,7 @@ class Law {
  private:
   const vesper_law_desc& desc_;
   std::string label_;
+  std::vector<bool> deferred_;  // by use
   vesper_law* law_ = nullptr;
   uint64_t calls_ = 0;
   uint64_t nanoseconds_ = 0;

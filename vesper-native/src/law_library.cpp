@@ -25,6 +25,12 @@ bool LoadedLaw::Writes(uint32_t property) const {
   });
 }
 
+bool LoadedLaw::Defers() const {
+  return std::any_of(uses.begin(), uses.end(), [](const MatchedUse& matched) {
+    return (matched.use->flags & VESPER_USE_DEFERRED) != 0;
+  });
+}
+
 LawLibrary::LawLibrary(vesper_library_id id, std::string name, const Config& config,
                        ThreadPool& pool)
     : id_(id), name_(std::move(name)), config_(config), pool_(pool), host_{} {

@@ -43,6 +43,8 @@ struct LoadedLaw {
             bool validate);
 
   bool Writes(uint32_t property) const;
+  /// Whether one of its uses is DEFERRED.
+  bool Defers() const;
 
   Law law;
   uint32_t index;  // within its library, in the engine's precision

@@ -53,9 +53,16 @@ void CheckFinite(const Law& law, const vesper_property& property) {
   const uint64_t component = bad % property.components;
   const bool unwritten = IsUnwritten(property.scalar_type, property.data, bad);
   throw Misbehaved(law, property, bad / property.components,
-                   unwritten ? "declared WRITE, but the row was not written"
-                             : "wrote " + PrintValue(property, bad) + " to component " +
+                   unwritten && property.access == VESPER_WRITE
+                       ? "declared WRITE, but the row was not written"
+                   : unwritten ? "the row was not written"
+                               : "wrote " + PrintValue(property, bad) + " to component " +
                                    std::to_string(component));
+}
+
+/// Whether the law writes the array of a use within `advance`.
+bool IsWritten(const Law& law, const Targets& targets, size_t use) {
+  return targets[use].access != VESPER_READ && !law.Defers(use);
 }
 
 class DirectRunner final : public LawRunner {
@@ -68,13 +75,19 @@ class DirectRunner final : public LawRunner {
   }
 
   void Advance(const vesper_step& step) override {
-    for (const vesper_property& target : *targets_) {
-      if (target.access == VESPER_ACCUMULATE) Zero(target);
+    for (size_t i = 0; i < targets_->size(); ++i) {
+      const vesper_property& target = (*targets_)[i];
+      if (target.access == VESPER_ACCUMULATE && !law_.Defers(i)) Zero(target);
     }
     law_.Advance(step);
-    for (const vesper_property& target : *targets_) {
-      if (target.access != VESPER_READ) CheckFinite(law_, target);
+    for (size_t i = 0; i < targets_->size(); ++i) {
+      if (IsWritten(law_, *targets_, i)) CheckFinite(law_, (*targets_)[i]);
     }
+  }
+
+  void Synchronize(uint32_t use) override {
+    law_.Synchronize(use);
+    CheckFinite(law_, (*targets_)[use]);
   }
 
  private:
@@ -105,29 +118,40 @@ class GuardedRunner final : public LawRunner {
     law_.Advance(step);
     CheckKeptWord();
     for (size_t i = 0; i < seen_.size(); ++i) {
-      if (seen_[i].access != VESPER_READ) CheckFinite(law_, seen_[i]);
+      if (IsWritten(law_, seen_, i)) CheckFinite(law_, seen_[i]);
     }
     for (size_t i = 0; i < seen_.size(); ++i) {
-      if (seen_[i].access != VESPER_READ) Copy((*targets_)[i], seen_[i]);
+      if (IsWritten(law_, seen_, i)) Copy((*targets_)[i], seen_[i]);
     }
+  }
+
+  void Synchronize(uint32_t use) override {
+    CopyIn();
+    const vesper_property& seen = seen_[use];
+    FillUnwritten(seen.scalar_type, seen.data, ValueCount(seen));
+    law_.Synchronize(use);
+    CheckKeptWord(use);
+    CheckFinite(law_, seen);
+    Copy((*targets_)[use], seen);
   }
 
  private:
   void CopyIn() {
     for (size_t i = 0; i < seen_.size(); ++i) {
-      if (seen_[i].access == VESPER_ACCUMULATE) {
+      if (seen_[i].access == VESPER_ACCUMULATE && !law_.Defers(i)) {
         Zero(seen_[i]);
       } else {
         Copy(seen_[i], (*targets_)[i]);
       }
-      if (seen_[i].access == VESPER_WRITE) {
+      if (seen_[i].access == VESPER_WRITE && !law_.Defers(i)) {
         FillUnwritten(seen_[i].scalar_type, seen_[i].data, ValueCount(seen_[i]));
       }
     }
   }
 
-  /// No write outside the arrays, and none to what is declared READ.
-  void CheckKeptWord() const {
+  /// No write outside the arrays, and none to what is declared READ or DEFERRED, but to that of
+  /// `synchronized`.
+  void CheckKeptWord(size_t synchronized = SIZE_MAX) const {
     for (size_t i = 0; i < seen_.size(); ++i) {
       const vesper_property& seen = seen_[i];
       if (seen.data == nullptr || IsField(seen.scalar_type)) continue;
@@ -135,11 +159,14 @@ class GuardedRunner final : public LawRunner {
       if (!copies_[i].BackIntact()) {
         throw Misbehaved(law_, seen, seen.row_count, "wrote past the last row");
       }
-      if (seen.access == VESPER_READ) CheckUnchanged(i);
+      if (seen.access == VESPER_READ) CheckUnchanged(i, "READ");
+      if (seen.access != VESPER_READ && law_.Defers(i) && i != synchronized) {
+        CheckUnchanged(i, "DEFERRED");
+      }
     }
   }
 
-  void CheckUnchanged(size_t i) const {
+  void CheckUnchanged(size_t i, const char* declared) const {
     const vesper_property& seen = seen_[i];
     const vesper_property& target = (*targets_)[i];
     if (seen.row_count == 0 || std::memcmp(seen.data, target.data, ByteSize(seen)) == 0) return;
@@ -148,7 +175,8 @@ class GuardedRunner final : public LawRunner {
     const auto* expected = static_cast<const std::byte*>(target.data);
     uint64_t row = 0;
     while (std::memcmp(found + row * row_size, expected + row * row_size, row_size) == 0) ++row;
-    throw Misbehaved(law_, seen, row, "declared READ, but the row was changed");
+    throw Misbehaved(law_, seen, row,
+                     "declared " + std::string(declared) + ", but the row was changed");
   }
 
   Law& law_;

@@ -50,11 +50,17 @@ void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
   Require(IsKnownType(use.scalar_type), name, "unknown scalar_type");
   Require(use.components > 0, name, "components is 0");
   Require(IsValidUnit(use.unit), name, kBadUnit);
-  Require((use.flags & ~VESPER_USE_OPTIONAL) == 0, name, "unknown flags");
+  Require((use.flags & ~(VESPER_USE_OPTIONAL | VESPER_USE_DEFERRED)) == 0, name, "unknown flags");
   Require((use.access >= VESPER_READ && use.access <= VESPER_ACCUMULATE) ||
               use.access == VESPER_SCRATCH,
           name, "access must be READ, WRITE, READ_WRITE, ACCUMULATE or SCRATCH");
-  Require(use.access != VESPER_SCRATCH || use.flags == 0, name, "SCRATCH cannot be optional");
+  Require(use.access != VESPER_SCRATCH || use.flags == 0, name,
+          "SCRATCH cannot be OPTIONAL or DEFERRED");
+  if ((use.flags & VESPER_USE_DEFERRED) != 0) {
+    Require(!IsField(use.scalar_type), name, "a field cannot be DEFERRED");
+    Require(use.access == VESPER_READ || law.synchronize != nullptr, name,
+            "is DEFERRED, but synchronize is null");
+  }
   if (use.access == VESPER_ACCUMULATE) {
     Require(law.phase == VESPER_PHASE_FORCE, name, "ACCUMULATE is for laws of phase FORCE");
     Require(IsReal(use.scalar_type), name, "only real properties accumulate");

@@ -49,23 +49,27 @@ void PhaseLaws::Plan() {
   failures_.assign(laws_.size(), nullptr);
 }
 
-void PhaseLaws::Run(ThreadPool& pool, const vesper_step& step) {
+void PhaseLaws::Run(ThreadPool& pool, LawCalls* calls, const vesper_step& step) {
   const bool together = pool.threads() > 1 && waves_.size() < laws_.size();
   if (together) {
-    RunInWaves(pool, step);
+    RunInWaves(pool, calls, step);
   } else {
-    RunInOrder(step);
+    RunInOrder(calls, step);
   }
 }
 
-void PhaseLaws::RunInOrder(const vesper_step& step) {
-  for (const ScheduledLaw& scheduled : laws_) RunLaw(scheduled, step);
+void PhaseLaws::RunInOrder(LawCalls* calls, const vesper_step& step) {
+  for (const ScheduledLaw& scheduled : laws_) {
+    if (calls != nullptr) calls->Before(scheduled, step);
+    RunLaw(scheduled, step);
+    if (calls != nullptr) calls->After(scheduled, step);
+  }
 }
 
-void PhaseLaws::RunInWaves(ThreadPool& pool, const vesper_step& step) {
+void PhaseLaws::RunInWaves(ThreadPool& pool, LawCalls* calls, const vesper_step& step) {
   for (const ScheduledLaw& scheduled : laws_) scheduled.library->HoldLog();
   first_failed_ = static_cast<uint32_t>(laws_.size());
-  for (const std::vector<uint32_t>& wave : waves_) RunWave(wave, pool, step);
+  for (const std::vector<uint32_t>& wave : waves_) RunWave(wave, pool, calls, step);
   ReleaseLogs();
   if (first_failed_ == laws_.size()) return;
   const std::exception_ptr failure = failures_[first_failed_];
@@ -75,20 +79,28 @@ void PhaseLaws::RunInWaves(ThreadPool& pool, const vesper_step& step) {
 
 /// After a failure, laws that come later in order of loading are left out; earlier ones may stand
 /// in a later wave, and fail too.
-void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool,
+void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, LawCalls* calls,
                         const vesper_step& step) {
-  auto run = [&](uint64_t i) {
-    const uint32_t place = wave[i];
-    if (place > first_failed_) return;
-    try {
-      RunLaw(laws_[place], step);
-    } catch (...) {
-      failures_[place] = std::current_exception();
-    }
+  const auto for_each = [&](auto&& action) {
+    for (const uint32_t place : wave) Try(place, [&] { action(laws_[place]); });
   };
+  if (calls != nullptr) for_each([&](const ScheduledLaw& law) { calls->Before(law, step); });
+  auto run = [&](uint64_t i) { Try(wave[i], [&] { RunLaw(laws_[wave[i]], step); }); };
   pool.ForEach(wave.size(), run);
+  if (calls != nullptr) for_each([&](const ScheduledLaw& law) { calls->After(law, step); });
   for (const uint32_t place : wave) {
     if (failures_[place] != nullptr) first_failed_ = std::min(first_failed_, place);
+  }
+}
+
+/// Does something for a law, unless it failed or an earlier one did in an earlier wave.
+template <class Action>
+void PhaseLaws::Try(uint32_t place, Action&& action) {
+  if (place > first_failed_ || failures_[place] != nullptr) return;
+  try {
+    action();
+  } catch (...) {
+    failures_[place] = std::current_exception();
   }
 }
 

@@ -28,6 +28,18 @@ struct ScheduledLaw {
   }
 };
 
+/// What has to be done around calls of laws, on the calling thread, while no law runs.
+class LawCalls {
+ public:
+  /// What it throws fails the law.
+  virtual void Before(const ScheduledLaw& law, const vesper_step& step) = 0;
+  /// After it did not fail.
+  virtual void After(const ScheduledLaw& law, const vesper_step& step) = 0;
+
+ protected:
+  ~LawCalls() = default;
+};
+
 /// Laws collide if one writes what the other reads or writes, or if they are of one library, since
 /// they may share its suite. A wave holds laws that do not collide; a law comes in the first wave
 /// after those of all earlier laws that it collides with. Waves, and not a graph of tasks: laws of a
@@ -46,18 +58,22 @@ class PhaseLaws {
   /// In order of loading.
   const std::vector<ScheduledLaw>& laws() const { return laws_; }
   /// Runs all laws once. Throws what the first law that fails throws, with library, law and stage.
-  void Run(ThreadPool& pool, const vesper_step& step);
+  /// `calls` null: nothing has to be done around them.
+  void Run(ThreadPool& pool, LawCalls* calls, const vesper_step& step);
 
  private:
-  void RunInOrder(const vesper_step& step);
-  void RunInWaves(ThreadPool& pool, const vesper_step& step);
-  void RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, const vesper_step& step);
+  void RunInOrder(LawCalls* calls, const vesper_step& step);
+  void RunInWaves(ThreadPool& pool, LawCalls* calls, const vesper_step& step);
+  void RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, LawCalls* calls,
+               const vesper_step& step);
+  template <class Action>
+  void Try(uint32_t place, Action&& action);
   void ReleaseLogs();
 
   std::vector<ScheduledLaw> laws_;
   std::vector<std::vector<uint32_t>> waves_;  // places in laws_; each wave in order of loading
   std::vector<std::exception_ptr> failures_;  // by place in laws_
-  uint32_t first_failed_ = 0;                 // place in laws_; their number if none failed
+  uint32_t first_failed_ = 0;  // place in laws_ as of the last wave; their number if none failed
 };
 
 }  // namespace vesper

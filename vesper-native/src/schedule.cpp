@@ -25,9 +25,12 @@ void Schedule::Plan(const std::vector<std::unique_ptr<LawLibrary>>& libraries) {
   for (uint32_t property = 0; property < columns_.size(); ++property) {
     if (columns_.spec(property).IsAccumulator()) accumulations_.emplace_back(columns_, property);
   }
+  std::vector<ScheduledLaw> laws;
   for (const auto& library : libraries) {
-    for (const auto& law : library->laws()) PlanLaw({law.get(), library.get()});
+    for (const auto& law : library->laws()) laws.push_back({law.get(), library.get()});
   }
+  for (const ScheduledLaw& scheduled : laws) PlanLaw(scheduled);
+  deferred_.Plan(laws);
   for (PhaseLaws& phase : phases_) phase.Plan();
   bound_generation_ = 0;
 }
@@ -56,7 +59,7 @@ void Schedule::Forget() {
 }
 
 void Schedule::Bind() {
-  if (bound_generation_ == columns_.generation()) return;
+  if (IsBound()) return;
   for (const PhaseLaws& phase : phases_) {
     for (const ScheduledLaw& scheduled : phase.laws()) {
       scheduled.OnBehalf(0, [&] { BindLaw(*scheduled.law); });
@@ -98,7 +101,7 @@ vesper_property Schedule::Target(const LoadedLaw& law, MatchedUse& matched) {
   const Column& column = columns_[matched.property];
   target.data = column.data();
   target.row_count = column.arrays.row_count;
-  target.version = column.version;
+  target.version = deferred_.Version(matched.property, use);
   if (use.access == VESPER_ACCUMULATE && !FindAccumulation(matched.property).InPlace()) {
     matched.share.Resize(target.row_count * columns_.spec(matched.property).row_size);
     target.data = matched.share.data();
@@ -140,13 +143,25 @@ void Schedule::RunStep(double dt, uint64_t step_index) {
   Run(VESPER_PHASE_OBSERVE, step);
 }
 
-void Schedule::Run(vesper_phase phase, const vesper_step& step) { Phase(phase).Run(pool_, step); }
+void Schedule::Run(vesper_phase phase, const vesper_step& step) {
+  Phase(phase).Run(pool_, deferred_.none() ? nullptr : this, step);
+}
+
+void Schedule::Before(const ScheduledLaw& law, const vesper_step& step) {
+  deferred_.Before(law, step.stage);
+  if (law.law->Defers()) law.OnBehalf(step.stage, [&] { BindLaw(*law.law); });
+}
+
+void Schedule::After(const ScheduledLaw& law, const vesper_step& step) {
+  law.OnBehalf(step.stage, [&] { deferred_.After(law); });
+}
 
 void Schedule::SumShares(uint32_t stage) {
   for (const Accumulation& accumulation : accumulations_) {
     if (!columns_[accumulation.property()].bound) continue;
     try {
       accumulation.Sum();
+      if (!accumulation.InPlace()) deferred_.Written(accumulation.property());
     } catch (Failure& failure) {
       failure.Stage(stage);
       throw;

@@ -7,15 +7,17 @@
 
 #include "accumulation.hpp"
 #include "columns.hpp"
+#include "deferred_writes.hpp"
 #include "law_library.hpp"
 #include "phase_laws.hpp"
 #include "thread_pool.hpp"
 
 namespace vesper {
 
-class Schedule {
+class Schedule final : private LawCalls {
  public:
-  Schedule(Columns& columns, ThreadPool& pool) : columns_(columns), pool_(pool) {}
+  Schedule(Columns& columns, ThreadPool& pool)
+      : columns_(columns), deferred_(columns), pool_(pool) {}
 
   /// Takes over which laws there are. Their order in time is phase, then order of loading; see
   /// PhaseLaws for those that run at the same time.
@@ -25,6 +27,10 @@ class Schedule {
   /// Hands the present columns to all laws whose arrays changed. Throws NOT_FOUND if one is
   /// missing, or what a law answers. Columns are fresh.
   void Bind();
+  /// Whether Bind has anything to do.
+  bool IsBound() const { return bound_generation_ == columns_.generation(); }
+  /// Arrays that laws left stale.
+  DeferredWrites& deferred() { return deferred_; }
   /// Remembers what laws keep in SCRATCH, and takes it back.
   void KeepScratch();
   void RestoreScratch();
@@ -32,6 +38,8 @@ class Schedule {
   void RunStep(double dt, uint64_t step_index);
 
  private:
+  void Before(const ScheduledLaw& law, const vesper_step& step) override;
+  void After(const ScheduledLaw& law, const vesper_step& step) override;
   void PlanLaw(const ScheduledLaw& scheduled);
   Accumulation& FindAccumulation(uint32_t property);
   void BindLaw(LoadedLaw& law);
@@ -42,6 +50,7 @@ class Schedule {
   void SumShares(uint32_t stage);
 
   Columns& columns_;
+  DeferredWrites deferred_;
   ThreadPool& pool_;
   std::array<PhaseLaws, VESPER_PHASE_OBSERVE> phases_;
   std::vector<ScratchColumn*> scratch_;

@@ -44,6 +44,22 @@ void ExpectNoAllocations(const EngineOptions& options) {
   EXPECT_EQ(status, VESPER_OK);
 }
 
+TEST_P(AllocationTest, DeferredWritesAllocateNothingOnceBound) {
+  for (const bool deferred : {false, true}) {
+    Bodies bodies(300);
+    TestEngine engine({.validate = GetParam(), .deferred = deferred});
+    engine.AddBodies(bodies);
+    engine.Load("vault");
+    engine.Load("push");
+    EXPECT_OK(engine.Advance(0.01, 1));
+    const uint64_t bound = allocations;
+    vesper_status status = vesper_engine_advance(engine.get(), 0.01, 20, nullptr);
+    if (status == VESPER_OK) status = vesper_engine_advance(engine.get(), 0.01, 20, nullptr);
+    EXPECT_EQ(allocations, bound);
+    EXPECT_EQ(status, VESPER_OK);
+  }
+}
+
 TEST_P(AllocationTest, AdvanceAllocatesNothingOnceBound) { ExpectNoAllocations(Options()); }
 
 TEST_P(AllocationTest, AdvanceWithLawsAtTheSameTimeAllocatesNothingOnceBound) {

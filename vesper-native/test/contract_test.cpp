@@ -95,6 +95,7 @@ TEST(ContractTest, ConfigStartsWithDefaults) {
   EXPECT_EQ(config.struct_size, sizeof config);
   EXPECT_EQ(config.threads, 1u);
   EXPECT_EQ(config.validate, 0u);
+  EXPECT_EQ(config.deferred, 0u);
   EXPECT_EQ(config.probe_timeout_ms, 5000u);
   EXPECT_EQ(config.law_path, nullptr);
 }
@@ -121,6 +122,9 @@ TEST(ContractTest, BadConfigsAreRefusedAndOutIsUntouched) {
   bad.validate = 2;
   EXPECT_REFUSED(INVALID_ARGUMENT, "config.validate is 2", Create(&bad, prototype, &out));
   bad = good;
+  bad.deferred = 2;
+  EXPECT_REFUSED(INVALID_ARGUMENT, "config.deferred is 2", Create(&bad, prototype, &out));
+  bad = good;
   bad.struct_size = 8;
   EXPECT_REFUSED(INVALID_ARGUMENT, "config.struct_size is 8", Create(&bad, prototype, &out));
   EXPECT_EQ(out, sentinel);
@@ -132,6 +136,7 @@ TEST(ContractTest, NullHandlesAreRefused) {
   vesper_property property{};
   EXPECT_EQ(vesper_engine_advance(nullptr, 1, 1, nullptr), VESPER_INVALID_ARGUMENT);
   EXPECT_EQ(vesper_engine_clear_fault(nullptr, nullptr), VESPER_INVALID_ARGUMENT);
+  EXPECT_EQ(vesper_engine_synchronize(nullptr, nullptr, 0, nullptr), VESPER_INVALID_ARGUMENT);
   EXPECT_EQ(vesper_engine_state_hash(nullptr, &hash, nullptr), VESPER_INVALID_ARGUMENT);
   EXPECT_EQ(vesper_engine_load_physics_law(nullptr, "x", nullptr, 0, &id, nullptr),
             VESPER_INVALID_ARGUMENT);

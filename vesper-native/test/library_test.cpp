@@ -216,6 +216,7 @@ TEST(LibraryTest, BadTablesAreRefusedByRule) {
       "law_count must be",
       "unknown claims",
       "field wind: evaluate is null",
+      "property position: is DEFERRED, but synchronize is null",
   };
   for (size_t i = 0; i < std::size(messages); ++i) {
     EXPECT_REFUSED(LIBRARY_LOAD_FAILED, messages[i], Prepare("bad_table_" + std::to_string(i + 1)));

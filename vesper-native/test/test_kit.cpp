@@ -28,6 +28,7 @@ vesper_engine_config TestConfig(const EngineOptions& options) {
   vesper_engine_config_init(&config);
   config.validate = options.validate ? 1 : 0;
   config.threads = options.threads;
+  config.deferred = options.deferred ? 1 : 0;
   config.law_path = VESPER_TEST_LAWS;
   config.probe_timeout_ms = options.probe_timeout_ms;
   return config;
@@ -98,6 +99,19 @@ vesper_error TestEngine::Unload(vesper_library_id library) {
 
 vesper_error TestEngine::Advance(double dt, uint32_t steps) {
   return Try([&](vesper_error* error) { return vesper_engine_advance(get(), dt, steps, error); });
+}
+
+vesper_error TestEngine::Synchronize(std::initializer_list<const char*> names) {
+  return Try([&](vesper_error* error) {
+    return vesper_engine_synchronize(get(), names.begin(), static_cast<uint32_t>(names.size()),
+                                     error);
+  });
+}
+
+vesper_error TestEngine::SynchronizeAll() {
+  return Try([&](vesper_error* error) {
+    return vesper_engine_synchronize(get(), nullptr, 0, error);
+  });
 }
 
 uint64_t TestEngine::StateHash() {

@@ -48,6 +48,7 @@ struct EngineOptions {
   uint32_t threads = 1;
   const char* prototype = "si-f64";
   uint32_t probe_timeout_ms = 20000;
+  bool deferred = false;
 };
 
 using Parameters = std::initializer_list<std::pair<const char*, double>>;
@@ -69,6 +70,8 @@ class TestEngine {
   vesper_library_id Load(const std::string& library, Parameters parameters = {});
   vesper_error Unload(vesper_library_id library);
   vesper_error Advance(double dt, uint32_t steps);
+  vesper_error Synchronize(std::initializer_list<const char*> names);
+  vesper_error SynchronizeAll();
   uint64_t StateHash();
   vesper_law_info LawInfo(vesper_library_id library, uint32_t index = 0);
 

@@ -73,6 +73,12 @@ typedef struct vesper_engine_config {
   /** Receives log lines of engine and laws, on the calling thread; null: discarded. */
   void (*log)(void* user, uint32_t level, const char* message);
   void* log_user;
+  /** What becomes of DEFERRED writes (see law.h). 0: `advance` synchronizes all arrays before it
+   *  returns, and takes them as it finds them, so that a client need not know of any. 1: they stay
+   *  where they are; the client calls `vesper_engine_synchronize` before it reads, copies, moves or
+   *  edits an array, and touches what it edited. Since 1.1. */
+  uint32_t deferred;
+  uint32_t reserved;
 } vesper_engine_config;
 
 /** What is known about one loaded law. */
@@ -222,6 +228,14 @@ VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
 VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
                                                vesper_error* error) VESPER_NOEXCEPT;
 VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
+                                                   vesper_error* error) VESPER_NOEXCEPT;
+/** Makes arrays fresh whose newest values a law keeps elsewhere; `names` null: all. Nothing to do
+ *  unless `vesper_engine_config.deferred` is 1. Unload, find, state_hash and save_state do it for
+ *  what they concern; destroy does not. If it fails, or if what a law gives is not finite, the engine
+ *  is FAULTED as after a failed step, but the steps stay counted: go back to a saved state.
+ *  Arrays that the client touches or rebinds count as they are, whatever a law keeps. */
+VESPER_API vesper_status vesper_engine_synchronize(vesper_engine* engine, const char* const* names,
+                                                   uint32_t count,
                                                    vesper_error* error) VESPER_NOEXCEPT;
 /** Says that the client moves row `from` of a kind to row `to` <= `from`, whose own item is gone, as
  *  when the last row fills the gap of one that was removed: what laws keep in SCRATCH moves along,

@@ -65,6 +65,20 @@ typedef struct vesper_step {
 /** `vesper_property_use.flags`: absent is fine; then `bind` sees null data and 0 rows. */
 #define VESPER_USE_OPTIONAL 1u
 
+/** `vesper_property_use.flags`: the library keeps a copy of the property, on a device say, and the
+ *  law uses that. Since 1.1.
+ *  READ: the law uses the copy, in which an earlier law of the library may have left newer values
+ *  than the array has.
+ *  WRITE, READ_WRITE, ACCUMULATE: `advance` writes the copy only. From then on the array is stale;
+ *  the engine has it written by `synchronize` before any other law sees it, and before the client
+ *  does. Only uses of the same library that are DEFERRED too see the copy. What is accumulated
+ *  starts from zero in the copy as well; where other laws accumulate too, the engine has the array
+ *  written at once, to sum it.
+ *  When to take the array: `bind` is called before `advance` whenever somebody else wrote the array,
+ *  and shows another `version` then. So a library keeps, with each copy, the version that it took it
+ *  at; if `bind` shows another one, the copy is stale and the array is not; else the copy counts. */
+#define VESPER_USE_DEFERRED 2u
+
 /** A property that a law uses. Matched by name; kind, type, components and dimension must agree. If
  *  the unit of a real property differs in scale, the law sees a converted column of its own; what
  *  it writes is converted back, and values that it leaves alone keep their bits.
@@ -130,6 +144,11 @@ typedef struct vesper_law_desc {
   /** Potential energy [J] of the present state that this law's forces derive from, or null if
    *  they derive from none. */
   vesper_status (*potential_energy)(vesper_law* law, double* out, vesper_error* error);
+  /** Writes every row of the array of use `use`, its place in `uses`, which is DEFERRED and which
+   *  this law was the last to write. Between calls of `advance`, on the thread of the client; checked
+   *  for NaN and infinity like what `advance` writes. May be null where no written use is DEFERRED.
+   *  Since 1.1. */
+  vesper_status (*synchronize)(vesper_law* law, uint32_t use, vesper_error* error);
 } vesper_law_desc;
 
 /** A field that a library brings for a FIELD property of the prototype. Since 1.1. */

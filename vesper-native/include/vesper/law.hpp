@@ -30,6 +30,7 @@
  *   auto Parameters()       std::tie of its parameters
  *   void Bind()             rebuilds what it caches: arrays are new, or were edited by the client
  *   double PotentialEnergy()  [J] of the present state
+ *   void Synchronize(auto& column)  writes a Deferred column of its own; needed if it has one
  *   using Suite = S;        a class that the laws of the library share: one S for each engine, made
  *   void Join(Suite&)       with S() before its laws and dropped after them; handed to each law once
  *                           it has its parameters, in the order of the library
@@ -179,6 +180,9 @@ class Column {
   Element* end() const { return data_ + size_; }
   /** Rows; 0 if an optional property is absent. */
   uint64_t size() const { return size_; }
+  const char* name() const { return name_; }
+  /** Another number whenever anybody else wrote the array; see the Deferred columns. */
+  uint64_t version() const requires(flags == VESPER_USE_DEFERRED) { return version_; }
   /** False if the prototype lacks this optional property or the client gave no array for it. */
   bool present() const requires(flags == VESPER_USE_OPTIONAL) { return data_ != nullptr; }
 
@@ -194,6 +198,7 @@ class Column {
   void Set(const vesper_property& property) {
     data_ = static_cast<Element*>(property.data);
     size_ = property.row_count;
+    version_ = property.version;
   }
 
   const char* name_;
@@ -201,6 +206,7 @@ class Column {
   vesper_unit unit_;
   Element* data_ = nullptr;
   uint64_t size_ = 0;
+  uint64_t version_ = 0;
 };
 
 template <class Row>
@@ -226,6 +232,19 @@ template <class Row>
 using OptionalReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_OPTIONAL>;
 template <class Row>
 using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
+
+/** Columns of which the laws of a library keep one copy in their Suite, on a device say. Bind takes
+ *  the array if version() is another than the copy was taken at; otherwise the copy counts, and may
+ *  be newer than the array. Advance works on the copy only. What it writes there, the engine asks
+ *  for by law.Synchronize(column), which must fill the whole column; see VESPER_USE_DEFERRED. */
+template <class Row>
+using DeferredRead = Column<Row, VESPER_READ, VESPER_USE_DEFERRED>;
+template <class Row>
+using DeferredWrite = Column<Row, VESPER_WRITE, VESPER_USE_DEFERRED>;
+template <class Row>
+using DeferredReadWrite = Column<Row, VESPER_READ_WRITE, VESPER_USE_DEFERRED>;
+template <class Row>
+using DeferredAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_DEFERRED>;
 
 /** A function of position that a law reads: wind, a magnetic field. Value is a real or Vec3 of one;
  *  the values come in the unit declared. For many positions at once, Evaluate is one call. */
@@ -429,6 +448,17 @@ template <class... Columns>
 inline constexpr bool kAccumulates<std::tuple<Columns&...>> =
     ((Columns::kAccess == VESPER_ACCUMULATE) || ...);
 
+/** True for a column that the law writes in memory of its own. */
+template <class Column>
+inline constexpr bool kDefersWrite = false;
+template <class Row, vesper_access access, uint32_t flags>
+inline constexpr bool kDefersWrite<Column<Row, access, flags>> =
+    access != VESPER_READ && (flags & VESPER_USE_DEFERRED) != 0;
+template <class Properties>
+inline constexpr bool kDefersWrites = false;
+template <class... Columns>
+inline constexpr bool kDefersWrites<std::tuple<Columns&...>> = (kDefersWrite<Columns> || ...);
+
 /** A law as the engine drives it: the C callbacks and the declarations in C form. */
 template <class Law>
 class Instance {
@@ -472,6 +502,15 @@ class Instance {
     return Guard(error, [&] { *out = From(law).law_.PotentialEnergy(); });
   }
 
+  static vesper_status Synchronize(vesper_law* law, uint32_t use, vesper_error* error) noexcept {
+    return Guard(error, [&] {
+      Law& self = From(law).law_;
+      uint32_t i = 0;  // of the column
+      std::apply([&](auto&... column) { (SynchronizeIf(i++ == use, self, column), ...); },
+                 self.Properties());
+    });
+  }
+
   static void Destroy(vesper_law* law) noexcept { delete &From(law); }
 
   explicit Instance(const vesper_host& host) : host_(host) {}
@@ -506,6 +545,7 @@ class Instance {
       desc.bind = &Instance::Bind;
       desc.advance = &Instance::Advance;
       desc.destroy = &Instance::Destroy;
+      if constexpr (kDefersWrites<Properties>) desc.synchronize = &Instance::Synchronize;
       if constexpr (requires(Law& law) { law.PotentialEnergy(); }) {
         desc.potential_energy = &Instance::PotentialEnergy;
       }
@@ -533,6 +573,12 @@ class Instance {
   };
 
  private:
+  template <class Column>
+  static void SynchronizeIf(bool wanted, Law& law, Column& column) {
+    if constexpr (kDefersWrite<Column>) {
+      if (wanted) law.Synchronize(column);
+    }
+  }
   static Instance& From(vesper_law* law) { return *reinterpret_cast<Instance*>(law); }
 
   Law law_;

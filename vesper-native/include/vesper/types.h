@@ -150,7 +150,8 @@ typedef struct vesper_property {
   void* data;           /**< May be null if `row_count` is 0 or the property is absent. Of a
                              FIELD: its `const vesper_field*`. */
   uint64_t row_count;
-  uint64_t version; /**< Raised when the client touched or rebound the property. */
+  uint64_t version; /**< Raised when the client touched or rebound the property; where the
+                         use is DEFERRED, also when another law wrote the array. */
 } vesper_property;
 
 #ifdef __cplusplus

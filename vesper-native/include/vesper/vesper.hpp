@@ -174,6 +174,8 @@ struct EngineConfig {
   std::string law_path = {};
   /** The `vesper-probe` program; empty: beside the engine library. */
   std::string probe_path = {};
+  /** Deferred writes stay where they are until Synchronize; see vesper_engine_config. */
+  bool deferred = false;
   /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
   std::function<void(uint32_t, const char*)> log = {};
 
@@ -183,6 +185,7 @@ struct EngineConfig {
     vesper_engine_config_init(&config);
     config.threads = threads;
     config.validate = validate ? 1 : 0;
+    config.deferred = deferred ? 1 : 0;
     config.law_path = law_path.c_str();
     if (!probe_path.empty()) config.probe_path = probe_path.c_str();
     if (log) {
@@ -428,6 +431,20 @@ class PhysicsEngine {
   void Advance(double dt, uint32_t steps = 1) {
     vesper_error error{};
     const vesper_status status = vesper_engine_advance(engine_.get(), dt, steps, &error);
+    if (status != VESPER_OK) throw Error(error, LawName(error));
+  }
+  /** Makes these arrays fresh before the client reads or edits them; needed only where
+   *  EngineConfig::deferred is set. See vesper_engine_synchronize. */
+  void Synchronize(std::initializer_list<const char*> names) {
+    vesper_error error{};
+    const vesper_status status = vesper_engine_synchronize(
+        engine_.get(), names.begin(), static_cast<uint32_t>(names.size()), &error);
+    if (status != VESPER_OK) throw Error(error, LawName(error));
+  }
+  /** Makes all arrays fresh. */
+  void Synchronize() {
+    vesper_error error{};
+    const vesper_status status = vesper_engine_synchronize(engine_.get(), nullptr, 0, &error);
     if (status != VESPER_OK) throw Error(error, LawName(error));
   }
   void ClearFault() {

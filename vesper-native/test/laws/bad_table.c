@@ -19,7 +19,8 @@
 #define NO_LAWS 13
 #define UNKNOWN_CLAIM 14
 #define FIELD_WITHOUT_FUNCTION 15
-#define NO_DEFECT_BUT_OF_CONTRACT_1_0 16
+#define DEFERRED_WITHOUT_SYNCHRONIZE 16
+#define NO_DEFECT_BUT_OF_CONTRACT_1_0 17
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)law;
@@ -72,6 +73,7 @@ const vesper_law_library* vesper_law_library_entry(void) {
       library.struct_size = offsetof(vesper_law_library, field_count);
       library.field_count = 1;
       break;
+    case DEFERRED_WITHOUT_SYNCHRONIZE: uses[1].flags = VESPER_USE_DEFERRED; break;
     case UNKNOWN_CLAIM: laws[0].claims = 1u << 30; break;
     default: break;
   }

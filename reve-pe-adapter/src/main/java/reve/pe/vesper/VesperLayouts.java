@@ -86,7 +86,9 @@ final class VesperLayouts {
         ADDRESS.withName("law_path"),
         ADDRESS.withName("probe_path"),
         ADDRESS.withName("log"),
-        ADDRESS.withName("log_user")).withName("vesper_engine_config");
+        ADDRESS.withName("log_user"),
+        JAVA_INT.withName("deferred"),
+        JAVA_INT.withName("reserved")).withName("vesper_engine_config");
 
     static final StructLayout LAW_INFO = MemoryLayout.structLayout(
         JAVA_INT.withName("struct_size"),
