@@ -8,6 +8,7 @@ namespace vesper {
 namespace {
 
 const std::string kSuite = SDK_TEST_FOLDER "libvesper_law_sdk_test_suite.so";
+const std::string kDeferred = SDK_TEST_FOLDER "libvesper_law_sdk_test_deferred.so";
 const std::string kUnmakable = SDK_TEST_FOLDER "libvesper_law_sdk_unmakable.so";
 
 static_assert(std::is_same_v<decltype(std::declval<Read<float>&>()[0]), const float&>);
@@ -118,6 +119,28 @@ TEST_F(SdkTest, LawsOfALibraryShareASuiteForEachEngine) {
   for (const auto& lines : {log_, log}) {
     ASSERT_EQ(lines.size(), 1u);
     EXPECT_NE(lines[0].find("2 laws in the suite"), std::string::npos) << lines[0];
+  }
+}
+
+TEST(SdkDeferredTest, CopyIsSharedByTheLibraryAndWrittenWhenTheClientAsks) {
+  for (const bool deferred : {false, true}) {
+    std::vector<double> mass(4, 1), velocity(12, 5), acceleration(12);
+    PhysicsEngine engine("si-f64", {.validate = true, .deferred = deferred});
+    engine.PropertyProvider().AddPhysicalProperty("mass", mass);
+    engine.PropertyProvider().AddPhysicalProperty("velocity", velocity);
+    engine.PropertyProvider().AddPhysicalProperty("acceleration", acceleration);
+    engine.LoadPhysicsLaw(kDeferred);
+    engine.Advance(0.1, 3);
+    EXPECT_EQ(acceleration[9], 8);
+    EXPECT_EQ(velocity[9], deferred ? 5 : 8);
+    engine.Synchronize({"velocity"});
+    EXPECT_EQ(velocity, (std::vector<double>{8, 5, 5, 8, 5, 5, 8, 5, 5, 8, 5, 5}));
+    velocity[9] = 20;
+    engine.PropertyProvider().Touch({"velocity"});
+    engine.Advance(0.1);
+    engine.Synchronize();
+    EXPECT_EQ(velocity, (std::vector<double>{9, 5, 5, 9, 5, 5, 9, 5, 5, 21, 5, 5}));
+    EXPECT_EQ(acceleration[9], 21);
   }
 }
 

@@ -55,7 +55,7 @@ void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
               use.access == VESPER_SCRATCH,
           name, "access must be READ, WRITE, READ_WRITE, ACCUMULATE or SCRATCH");
   Require(use.access != VESPER_SCRATCH || use.flags == 0, name,
-          "SCRATCH cannot be OPTIONAL or DEFERRED");
+          "SCRATCH cannot be optional or deferred");
   if ((use.flags & VESPER_USE_DEFERRED) != 0) {
     Require(!IsField(use.scalar_type), name, "a field cannot be DEFERRED");
     Require(use.access == VESPER_READ || law.synchronize != nullptr, name,

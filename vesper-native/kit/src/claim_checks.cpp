@@ -97,7 +97,7 @@ std::string CheckPotentialEnergy(const Subject& of) {
   world.Clear("velocity");
   PhysicsEngine engine = world.MakeEngine(subject.file());
   engine.Advance(kDt);
-  const BareLaw law(desc, probe.PropertiesFor(desc));
+  const BareLaw law(desc, probe.PropertiesFor(desc), &subject.library().table());
   AnyColumn& position = probe["position"];
   const AnyColumn& force = world["externalForce"];
   for (uint64_t i = 0; i < position.size(); ++i) {

@@ -33,7 +33,7 @@ double ErrorAfter(const LawsUnderTest& subject, const vesper_law_desc& desc, uin
   position.SetVector(0, kStart);
   velocity.SetVector(0, kStartSpeed);
   world["acceleration"].SetVector(0, kStart * (-kStiffness / kMass));
-  const BareLaw law(desc, world.PropertiesFor(desc));
+  const BareLaw law(desc, world.PropertiesFor(desc), &subject.library().table());
   const double dt = kDuration / static_cast<double>(steps);
   for (uint64_t step = 0; step < steps; ++step) {
     law.Step({dt, step}, [&](uint32_t) {

@@ -146,23 +146,47 @@ void Check(vesper_status status, const vesper_error& error) {
   if (status != VESPER_OK) throw std::runtime_error(error.message);
 }
 
-vesper_law* Create(const vesper_law_desc& desc) {
+vesper_suite* Open(const vesper_law_library* library) {
+  if (library == nullptr || library->open == nullptr) return nullptr;
+  vesper_suite* suite = nullptr;
+  vesper_error error{};
+  Check(library->open(&kHost, &suite, &error), error);
+  return suite;
+}
+
+bool Defers(const vesper_property_use& use) { return (use.flags & VESPER_USE_DEFERRED) != 0; }
+
+vesper_law* Create(const vesper_law_desc& desc, vesper_suite* suite) {
   std::vector<double> parameters;
   for (const auto& parameter : std::span(desc.parameters, desc.parameter_count)) {
     parameters.push_back(parameter.default_value);
   }
   vesper_law* law = nullptr;
   vesper_error error{};
-  Check(desc.create(&kHost, nullptr, parameters.data(), &law, &error), error);
+  Check(desc.create(&kHost, suite, parameters.data(), &law, &error), error);
   return law;
 }
 
 }  // namespace
 
-BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties)
-    : desc_(desc), law_(Create(desc), Destroy{&desc}) {
+BareLaw::BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties,
+                 const vesper_law_library* library)
+    : desc_(desc),
+      properties_(properties),
+      suite_(Open(library), Close{library}),
+      law_(Create(desc, suite_.get()), Destroy{&desc}) {
+  Bind();
+}
+
+/// Lets a law that keeps copies take them anew.
+void BareLaw::TakeArrays() const {
+  if (std::ranges::any_of(std::span(desc_.uses, desc_.use_count), Defers)) Bind();
+}
+
+void BareLaw::Bind() const {
+  for (vesper_property& property : properties_) ++property.version;
   vesper_error error{};
-  Check(desc.bind(law_.get(), properties.data(), &error), error);
+  Check(desc_.bind(law_.get(), properties_.data(), &error), error);
 }
 
 void BareLaw::Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const {
@@ -177,11 +201,17 @@ void BareLaw::Step(const Time& time, const std::function<void(uint32_t)>& evalua
 }
 
 void BareLaw::Advance(const vesper_step& step) const {
+  TakeArrays();
   vesper_error error{};
   Check(desc_.advance(law_.get(), &step, &error), error);
+  for (uint32_t i = 0; i < desc_.use_count; ++i) {
+    if (!Defers(desc_.uses[i]) || desc_.uses[i].access == VESPER_READ) continue;
+    Check(desc_.synchronize(law_.get(), i, &error), error);
+  }
 }
 
 double BareLaw::PotentialEnergy() const {
+  TakeArrays();
   double energy = 0;
   vesper_error error{};
   Check(desc_.potential_energy(law_.get(), &energy, &error), error);

@@ -52,8 +52,10 @@ class LawFile {
 /// One law, made and bound without an engine, on one thread.
 class BareLaw {
  public:
-  /// `properties`: one per use of the law, borrowed.
-  BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties);
+  /// `properties`: one per use of the law, their arrays borrowed. `library`: of the law, if it needs
+  /// a suite, which is then its alone.
+  BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties,
+          const vesper_law_library* library = nullptr);
 
   double PotentialEnergy() const;
 
@@ -62,18 +64,27 @@ class BareLaw {
     uint64_t index;  // of the step
   };
   /// One step: stage 0 if the law integrates, then each stage after `evaluate(stage)`, which may
-  /// fill in forces.
+  /// fill in forces. The arrays count before and after each call, deferred or not.
   void Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const;
 
  private:
   void Advance(const vesper_step& step) const;
 
+  struct Close {
+    const vesper_law_library* library;
+    void operator()(vesper_suite* suite) const { library->close(suite); }
+  };
   struct Destroy {
     const vesper_law_desc* desc;
     void operator()(vesper_law* law) const { desc->destroy(law); }
   };
 
+  void Bind() const;
+  void TakeArrays() const;
+
   const vesper_law_desc& desc_;
+  mutable std::vector<vesper_property> properties_;
+  std::unique_ptr<vesper_suite, Close> suite_;
   std::unique_ptr<vesper_law, Destroy> law_;
 };
 
