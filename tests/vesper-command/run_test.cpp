@@ -12,6 +12,7 @@ namespace vesper {
 namespace {
 
 const std::string kScenes = VESPER_SCENES;
+const std::string kSpiderweb = VESPER_WORLDS "/spiderweb";
 
 /// Numbers of a CSV file: by column name, one per line.
 using Table = std::map<std::string, std::vector<double>>;
@@ -43,7 +44,7 @@ Outcome RunScene(const std::string& scene, std::vector<std::string> options) {
 Table CsvOf(const std::string& scene, uint64_t frames, uint64_t every) {
   const Folder folder;
   const Outcome outcome =
-      RunScene(kScenes + "/" + scene, {"--frames", std::to_string(frames), "--every",
+      RunScene(scene, {"--frames", std::to_string(frames), "--every",
                                        std::to_string(every), "--csv", folder / "out.csv"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   return ReadCsv(folder / "out.csv");
@@ -67,7 +68,7 @@ TEST(RunTest, SceneOfTheDocumentationRuns) {
 
 // Semi-implicit Euler: y(n) = n v dt - n (n + 1)/2 g dt^2.
 TEST(RunTest, ProjectilesFollowTheClosedFormOfTheScheme) {
-  const Table t = CsvOf("projectile.vesper", 200, 50);
+  const Table t = CsvOf(kScenes + "/projectile.vesper", 200, 50);
   ASSERT_EQ(t.at("frame").size(), 5u * 3);
   for (size_t i = 0; i < t.at("frame").size(); ++i) {
     const double n = t.at("frame")[i] * 10, dt = 1e-3, angle = (30 + 15 * t.at("row")[i]) * M_PI / 180;
@@ -80,7 +81,7 @@ TEST(RunTest, ProjectilesFollowTheClosedFormOfTheScheme) {
 }
 
 TEST(RunTest, OrbitKeepsMomentumAndTheSpringsPlane) {
-  const Table t = CsvOf("spring-orbit.vesper", 600, 60);
+  const Table t = CsvOf(kScenes + "/spring-orbit.vesper", 600, 60);
   const auto &vx = t.at("velocity.x"), &vy = t.at("velocity.y");
   ASSERT_EQ(vx.size(), 11u * 2);
   for (size_t i = 0; i < vx.size(); i += 2) {
@@ -92,7 +93,13 @@ TEST(RunTest, OrbitKeepsMomentumAndTheSpringsPlane) {
 }
 
 TEST(RunTest, WebHangsFromItsRimAndKeepsItsMirrorSymmetry) {
-  const Table t = CsvOf("spider-web.vesper", 240, 240);
+  std::string text = ReadText(kSpiderweb + "/spiderweb.vesper");
+  const std::string pulled = "at 0: position (0.5 ";
+  const size_t at = text.find(pulled);
+  ASSERT_NE(at, std::string::npos);
+  text.replace(at, pulled.size(), "at 0: position (0 ");
+  const Folder folder;
+  const Table t = CsvOf(folder.Write("s.vesper", text), 240, 240);
   const auto &x = t.at("position.x"), &y = t.at("position.y");
   const size_t rows = 129, end = rows;  // the second of two frames
   ASSERT_EQ(x.size(), 2 * rows);
@@ -104,11 +111,24 @@ TEST(RunTest, WebHangsFromItsRimAndKeepsItsMirrorSymmetry) {
   EXPECT_NEAR(x[end], 0, 1e-9);  // left and right pull alike
 }
 
+// The same numbers are held against world.yaml, run by REVE.
+TEST(RunTest, SpiderIsWhereTheWorldOfTheSameNamePutsIt) {
+  const auto expected = nlohmann::json::parse(ReadText(kSpiderweb + "/expected.json"));
+  const uint64_t frames = 60 * expected.at("seconds").get<uint64_t>();
+  const Table t = CsvOf(kSpiderweb + "/spiderweb.vesper", frames, frames);
+  const auto spider = expected.at("positions").at(0);
+  ASSERT_EQ(spider.at("item"), "spider");
+  for (const int axis : {0, 1, 2}) {
+    EXPECT_NEAR(t.at(std::string("position.") + "xyz"[axis]).at(129), spider.at("at").at(axis),
+                spider.at("within"));
+  }
+}
+
 TEST(RunTest, SameBitsForAnyNumberOfThreadsAndInValidateMode) {
   const auto hash = [](const std::vector<std::string>& options) {
     std::vector<std::string> all{"--frames", "30", "--json"};
     all.insert(all.end(), options.begin(), options.end());
-    const Outcome outcome = RunScene(kScenes + "/spider-web.vesper", all);
+    const Outcome outcome = RunScene(kSpiderweb + "/spiderweb.vesper", all);
     EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
     return nlohmann::json::parse(outcome.output).at("stateHash").get<std::string>();
   };

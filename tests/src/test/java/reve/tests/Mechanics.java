@@ -1,0 +1,101 @@
+package reve.tests;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import reve.core.file.LawReference;
+import reve.core.world.Item;
+import reve.core.world.WorldPrototype;
+import reve.worlds.server.Simulation;
+
+/** Conserved quantities of a running world's point masses and springs [SI units]. */
+final class Mechanics {
+    private final Simulation simulation;
+    private final List<Item> bodies = new ArrayList<>();
+    private final List<Item> springs = new ArrayList<>();
+    private final double[] gravity;
+
+    /**
+     * @param position by name
+     * @param immovable the positions of what has mass 0, by name
+     * @param energy of motion (in the centre-of-mass frame, unless something holds the world in
+     *     place), springs and uniform gravity
+     */
+    record State(Map<String, double[]> positions, Map<String, List<Double>> immovable, double[] momentum,
+            double energy) {
+        double[] position(String item) {
+            return positions.get(item);
+        }
+    }
+
+    Mechanics(Simulation simulation) {
+        this.simulation = simulation;
+        for (Item item : simulation.world().items()) {
+            if (item.physics().isEmpty()) {
+                continue;
+            }
+            if (item.kind().equals(WorldPrototype.BODY)) {
+                bodies.add(item);
+            } else if (item.kind().equals(WorldPrototype.SPRING)) {
+                springs.add(item);
+            }
+        }
+        boolean falls = simulation.description().laws().stream()
+                .map(LawReference::name).anyMatch("gravity_field"::equals);
+        Item world = simulation.world().find(WorldPrototype.WORLD).orElseThrow();
+        gravity = falls ? world.physics().vector("gravity") : new double[3];
+    }
+
+    State state() {
+        Map<String, double[]> positions = new HashMap<>();
+        Map<String, List<Double>> immovable = new HashMap<>();
+        double[] momentum = new double[3];
+        double mass = 0;
+        double energy = 0;
+        for (Item body : bodies) {
+            double m = body.physics().scalar("mass");
+            double[] x = body.physical().location();
+            double[] v = body.physics().vector("velocity");
+            positions.put(body.name(), x);
+            if (m == 0) {
+                immovable.put(body.name(), List.of(x[0], x[1], x[2]));
+                continue;
+            }
+            mass += m;
+            energy += 0.5 * m * dot(v, v) - m * dot(gravity, x);
+            for (int axis = 0; axis < 3; axis++) {
+                momentum[axis] += m * v[axis];
+            }
+        }
+        for (Item spring : springs) {
+            double stretch = norm(subtract(end(spring, "end2"), end(spring, "end1")))
+                    - spring.physics().scalar("length");
+            energy += 0.5 * spring.physics().scalar("springConstant") * stretch * stretch;
+        }
+        if (immovable.isEmpty()) {
+            energy -= 0.5 * dot(momentum, momentum) / mass;
+        }
+        return new State(positions, immovable, momentum, energy);
+    }
+
+    private double[] end(Item spring, String reference) {
+        return simulation.world().item(spring.physics().reference(reference)).physical().location();
+    }
+
+    static double[] subtract(double[] a, double[] b) {
+        return new double[] {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+    }
+
+    static double dot(double[] a, double[] b) {
+        return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+    }
+
+    static double norm(double[] v) {
+        return Math.sqrt(dot(v, v));
+    }
+
+    static double degreesBetween(double[] a, double[] b) {
+        return Math.toDegrees(Math.acos(dot(a, b) / (norm(a) * norm(b))));
+    }
+}

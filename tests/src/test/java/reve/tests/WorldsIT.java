@@ -1,0 +1,138 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.stream.Stream;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.MethodSource;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.file.WorldFileException;
+import reve.core.frame.Pacing;
+import reve.worlds.server.Simulation;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/**
+ * What the sample worlds promise in their {@code expected.json}, from the world file to the state
+ * after some seconds. In every world, what is immovable stays where it is and no law fails.
+ */
+class WorldsIT {
+    /** A world's folder, and what must hold in it. */
+    record Sample(Path folder, JsonNode expected) {
+        Simulation load() throws IOException, WorldFileException {
+            WorldDescription description = WorldFile.load(folder.resolve("world.yaml"));
+            return new Simulation(description, Pacing.FAST);
+        }
+
+        long frames(Simulation simulation) {
+            return expected.get("seconds").asLong() * simulation.description().timing().framesPerSecond();
+        }
+
+        List<JsonNode> all(String key) {
+            List<JsonNode> nodes = new ArrayList<>();
+            expected.path(key).forEach(nodes::add);
+            return nodes;
+        }
+
+        @Override
+        public String toString() {
+            return folder.getFileName().toString();
+        }
+    }
+
+    static List<Sample> samples() throws IOException {
+        List<Sample> samples = new ArrayList<>();
+        try (Stream<Path> folders = Files.list(Project.WORLDS)) {
+            for (Path folder : folders.sorted().toList()) {
+                Path expected = folder.resolve("expected.json");
+                if (Files.exists(expected)) {
+                    samples.add(new Sample(folder, new JsonMapper().readTree(Files.readString(expected))));
+                }
+            }
+        }
+        return samples;
+    }
+
+    @ParameterizedTest
+    @MethodSource("samples")
+    void whatIsExpectedOfTheWorldHolds(Sample sample) throws Exception {
+        try (Simulation simulation = sample.load()) {
+            var mechanics = new Mechanics(simulation);
+            var before = mechanics.state();
+            for (long frame = 0; frame < sample.frames(simulation); frame++) {
+                simulation.loop().step();
+                checkFrame(sample, before, mechanics.state());
+            }
+            checkEnd(sample, before, mechanics.state());
+            assertThat(simulation.events().faults()).isEmpty();
+        }
+    }
+
+    @ParameterizedTest
+    @MethodSource("samples")
+    void twoRunsEndInTheSameState(Sample sample) throws Exception {
+        assertThat(hashAfterRun(sample)).isEqualTo(hashAfterRun(sample));
+    }
+
+    private static void checkFrame(Sample sample, Mechanics.State before, Mechanics.State now) {
+        assertThat(now.immovable()).isEqualTo(before.immovable());
+        if (sample.expected().path("energyNeverAboveStart").asBoolean(false)) {
+            assertThat(now.energy()).isLessThanOrEqualTo(before.energy());
+        }
+        for (JsonNode expected : sample.all("distances")) {
+            // At rest length a spring starts with the rounding of one square root.
+            assertThat(Mechanics.norm(line(expected, now)))
+                    .isBetween(expected.get("from").asDouble() - 1e-12, expected.get("to").asDouble());
+        }
+    }
+
+    private static void checkEnd(Sample sample, Mechanics.State before, Mechanics.State after) {
+        JsonNode expected = sample.expected();
+        if (expected.has("momentumRelativeChangeAtMost")) {
+            double change = Mechanics.norm(Mechanics.subtract(after.momentum(), before.momentum()));
+            assertThat(change / Mechanics.norm(before.momentum()))
+                    .isLessThanOrEqualTo(expected.get("momentumRelativeChangeAtMost").asDouble());
+        }
+        if (expected.has("energyRelativeChangeAtMost")) {
+            assertThat(Math.abs(after.energy() - before.energy()) / before.energy())
+                    .isLessThanOrEqualTo(expected.get("energyRelativeChangeAtMost").asDouble());
+        }
+        for (JsonNode turned : sample.all("turnedDegrees")) {
+            assertThat(Mechanics.degreesBetween(line(turned, before), line(turned, after)))
+                    .isBetween(turned.get("from").asDouble(), turned.get("to").asDouble());
+        }
+        for (JsonNode position : sample.all("positions")) {
+            double[] at = after.position(position.get("item").asString());
+            double[] there = new double[3];
+            for (int axis = 0; axis < 3; axis++) {
+                there[axis] = position.get("at").get(axis).asDouble();
+            }
+            assertThat(Mechanics.norm(Mechanics.subtract(at, there)))
+                    .as("%s is at %s", position.get("item"), List.of(at[0], at[1], at[2]))
+                    .isLessThanOrEqualTo(position.get("within").asDouble());
+        }
+    }
+
+    /** From the first to the second of two items. */
+    private static double[] line(JsonNode expected, Mechanics.State state) {
+        JsonNode between = expected.get("between");
+        return Mechanics.subtract(state.position(between.get(1).asString()),
+                state.position(between.get(0).asString()));
+    }
+
+    private static long hashAfterRun(Sample sample) throws Exception {
+        try (Simulation simulation = sample.load()) {
+            long before = simulation.physics().stateHash();
+            simulation.loop().run(sample.frames(simulation));
+            long after = simulation.physics().stateHash();
+            assertThat(after).isNotEqualTo(before);
+            return after;
+        }
+    }
+}
