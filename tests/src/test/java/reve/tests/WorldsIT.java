@@ -19,8 +19,8 @@ import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
 /**
- * What the sample worlds promise in their {@code expected.json}, from the world file to the state
- * after some seconds. In every world, what is immovable stays where it is and no law fails.
+ * What every sample world with a {@code world.yaml} promises in its {@code expected.json}, from the
+ * world file to the state after some seconds. In every world, what is immovable stays where it is and no law fails.
  */
 class WorldsIT {
     /** A world's folder, and what must hold in it. */
@@ -50,9 +50,9 @@ class WorldsIT {
         List<Sample> samples = new ArrayList<>();
         try (Stream<Path> folders = Files.list(Project.WORLDS)) {
             for (Path folder : folders.sorted().toList()) {
-                Path expected = folder.resolve("expected.json");
-                if (Files.exists(expected)) {
-                    samples.add(new Sample(folder, new JsonMapper().readTree(Files.readString(expected))));
+                if (Files.exists(folder.resolve("world.yaml"))) {
+                    String expected = Files.readString(folder.resolve("expected.json"));
+                    samples.add(new Sample(folder, new JsonMapper().readTree(expected)));
                 }
             }
         }
