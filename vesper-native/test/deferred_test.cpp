@@ -1,7 +1,6 @@
 // Laws that keep the newest values in memory of their own, next to their twins that do not.
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <cstddef>
 
 #include "test_kit.hpp"
 
@@ -209,6 +208,30 @@ TEST_P(DeferredTest, ArraysMayGrow) {
     EXPECT_OK(each->engine.SynchronizeAll());
   }
   run.ExpectSameAs(twin);
+}
+
+TEST_P(DeferredTest, SavedStateComesBackInTheCopiesToo) {
+  Scene twin({"no_vault"}, Plain());
+  EXPECT_OK(twin.engine.Advance(kDt, 5));
+  Scene scene({"vault"}, Deferred());
+  EXPECT_OK(scene.engine.Advance(kDt, 2));
+  uint64_t size = 0;
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_state_size(scene.engine.get(), &size, error);
+  }));
+  std::vector<std::byte> state(size);
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_save_state(scene.engine.get(), state.data(), size, error);
+  }));
+  const Bodies kept = scene.bodies;
+  EXPECT_OK(scene.engine.Advance(kDt, 7));
+  scene.bodies = kept;
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_load_state(scene.engine.get(), state.data(), size, error);
+  }));
+  EXPECT_OK(scene.engine.Advance(kDt, 3));
+  EXPECT_EQ(scene.engine.StateHash(), twin.engine.StateHash());
+  scene.ExpectSameAs(twin);
 }
 
 TEST_P(DeferredTest, FailedStepIsUndoneInTheCopiesToo) {

@@ -185,7 +185,7 @@ VESPER_API vesper_status vesper_provider_find_physical_property(
     vesper_error* error) VESPER_NOEXCEPT;
 /** Says that values were edited in place: raises versions, re-checks references, re-expands shared
  *  values, and lets laws rebuild what they cache. Not needed for what laws read afresh each step,
- *  unless the property is a reference or indexed. `names` null: all. */
+ *  unless the property is a reference or indexed, or `config.deferred` is 1. `names` null: all. */
 VESPER_API vesper_status vesper_provider_touch(vesper_provider* provider, const char* const* names,
                                                uint32_t count, vesper_error* error) VESPER_NOEXCEPT;
 

@@ -158,7 +158,8 @@ typedef struct vesper_field_desc {
   const char* name; /**< Of the property. */
   const char* doc;  /**< One line. */
   vesper_unit unit; /**< Of the values; converted if it differs from the property's in scale. */
-  /** As in `vesper_field`; `user` is the library's suite, or null if it has none. */
+  /** As in `vesper_field`; `user` is the library's suite, or null if it has none: what it reads
+   *  there `advance` must not change, since other laws may evaluate it at the same time. */
   void (*evaluate)(void* user, uint64_t count, const double* at, double* out);
 } vesper_field_desc;
 
