@@ -116,6 +116,8 @@ struct SurfaceContact {
     Real square;  // of the distance
     uint32_t face = kNone;
     Closest<Real> at{};
+    Vec3<Real> offset{};  // from there
+    Vec3<Real> normal{};  // of the face, as long as twice its area
   };
 
   /** Puts boxes around a patch. Throws if a body of it is nowhere. */
@@ -192,37 +194,37 @@ struct SurfaceContact {
   /** Takes the face if it is nearer to p. A face without area has no side and is passed over. */
   void Approach(Vec3<Real> p, uint32_t face, Nearest& nearest) const {
     const auto [a, b, c] = Corners(face);
-    const Vec3<Real> normal = Cross(b - a, c - a);  // outwards, as long as twice the area
-    const Real area = Dot(normal, normal), height = Dot(normal, p - a);
-    if (!(height * height < nearest.square * area)) return;
+    const Vec3<Real> normal = Cross(b - a, c - a);
+    const Real scale = Dot(normal, normal), height = Dot(normal, p - a);
+    if (!(height * height < nearest.square * scale)) return;
     const Closest<Real> at = ClosestOnTriangle(p, a, b, c);
     const Vec3<Real> offset = p - Blend(at.weights, {a, b, c});
-    const Real square = at.feature == kFace ? height * height / area : Dot(offset, offset);
-    if (square < nearest.square) nearest = {square, face, at};
+    const Real square = at.feature == kFace ? height * height / scale : Dot(offset, offset);
+    if (square < nearest.square) nearest = {square, face, at, offset, normal};
   }
 
   /** Fills in the contact if the point is behind the nearest point of the mesh. */
   bool IsInside(uint32_t point, const Nearest& nearest, Contact<Real>& contact) const {
-    const auto corners = Corners(nearest.face);
-    const Vec3<Real> offset = position[point] - Blend(nearest.at.weights, corners);
     const Real depth = std::sqrt(nearest.square);
-    if (depth == 0 || !IsBehind(offset, nearest.face, nearest.at.feature)) return false;
+    if (depth == 0 || !IsBehind(nearest)) return false;
     contact.point = point;
     contact.face = nearest.face;
     contact.depth = depth;
-    contact.normal = nearest.at.feature == kFace ? Unit(Normal(nearest.face)) : offset * (-1 / depth);
+    contact.normal =
+        nearest.at.feature == kFace ? Unit(nearest.normal) : nearest.offset * (-1 / depth);
     contact.weights = nearest.at.weights;
     return true;
   }
 
-  /** Whether `offset` from a feature's point leads inside. Nothing is inside at a border. */
-  bool IsBehind(Vec3<Real> offset, uint32_t face, Feature feature) const {
-    if (feature == kFace) return Dot(offset, Normal(face)) < 0;
-    if (feature < kCorner0) {
-      const uint32_t neighbour = topology_.Neighbour(face, feature - kEdge0);
-      return neighbour != kNone && Dot(offset, Unit(Normal(face)) + Unit(Normal(neighbour))) < 0;
+  /** Nothing is behind a border. */
+  bool IsBehind(const Nearest& nearest) const {
+    const auto& [square, face, at, offset, normal] = nearest;
+    if (at.feature == kFace) return Dot(offset, normal) < 0;
+    if (at.feature < kCorner0) {
+      const uint32_t neighbour = topology_.Neighbour(face, at.feature - kEdge0);
+      return neighbour != kNone && Dot(offset, Unit(normal) + Unit(Normal(neighbour))) < 0;
     }
-    const uint32_t corner = vertices[face][feature - kCorner0];
+    const uint32_t corner = vertices[face][at.feature - kCorner0];
     return !topology_.OnBorder(corner) && IsBehindCorner(offset, corner);
   }
 
