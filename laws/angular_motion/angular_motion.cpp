@@ -71,23 +71,42 @@ struct AngularMotion {
       for (uint64_t i = begin; i < end; ++i) {
         const Vec3<Real> moments = inertia[i];
         if (moments.x == 0 || moments.y == 0 || moments.z == 0) continue;
-        Turn(i, {moments.x, moments.y, moments.z}, step.dt);
+        if (moments.x == moments.y && moments.y == moments.z) {
+          TurnBall(i, moments.x, step.dt);
+        } else {
+          Turn(i, {moments.x, moments.y, moments.z}, step.dt);
+        }
       }
     });
   }
 
+  /** What Turn comes to if all moments are equal. */
+  void TurnBall(uint64_t i, double moment, double dt) const {
+    const Vector spin = Wide(angular_velocity[i]) + Wide(torque[i]) * (dt / moment);
+    angular_velocity[i] = Narrow<Real>(spin);
+    Store(i, RotationBy(spin * (dt / 2)) * Load(i));
+  }
+
   void Turn(uint64_t i, const std::array<double, 3>& moments, double dt) const {
-    const auto [x, y, z, w] = orientation[i];
-    Quaternion q = Quaternion{{x, y, z}, w}.Normalised();
+    Quaternion q = Load(i).Normalised();
     // Angular momentum in the world frame; free motion leaves it alone.
     const Vector spin = q.Inverse().Rotate(Wide(angular_velocity[i]));
     const Vector momentum =
         q.Rotate({spin.x * moments[0], spin.y * moments[1], spin.z * moments[2]}) +
         Wide(torque[i]) * dt;
-    q = Drift(q, momentum, moments, dt);
+    q = Drift(q, momentum, moments, dt).Normalised();
     const Vector in_body = q.Inverse().Rotate(momentum);
     angular_velocity[i] = Narrow<Real>(
         q.Rotate({in_body.x / moments[0], in_body.y / moments[1], in_body.z / moments[2]}));
+    Store(i, q);
+  }
+
+  Quaternion Load(uint64_t i) const {
+    const auto [x, y, z, w] = orientation[i];
+    return {{x, y, z}, w};
+  }
+  void Store(uint64_t i, const Quaternion& turned) const {
+    const Quaternion q = turned.Normalised();
     orientation[i] = {static_cast<Real>(q.v.x), static_cast<Real>(q.v.y),
                       static_cast<Real>(q.v.z), static_cast<Real>(q.w)};
   }
@@ -104,7 +123,7 @@ struct AngularMotion {
     q = TurnAboutOwnAxis(q, momentum, axis[0], low * dt / 2);
     q = TurnAboutOwnAxis(q, momentum, axis[2], high * dt);
     q = TurnAboutOwnAxis(q, momentum, axis[0], low * dt / 2);
-    return (RotationBy(momentum * (middle * dt / 2)) * q).Normalised();
+    return RotationBy(momentum * (middle * dt / 2)) * q;
   }
 
   /** By the angle of the body's momentum about that axis times `angle_per_momentum`. */

@@ -47,10 +47,10 @@ struct Scene {
     damping_constant.push_back(damping);
   }
 
-  /// An engine in validate mode over this scene's columns, which must not grow or move from now on.
-  PhysicsEngine MakeEngine(uint32_t threads = 1) {
+  /// An engine over this scene's columns, which must not grow or move from now on.
+  PhysicsEngine MakeEngine(uint32_t threads = 1, bool validate = true) {
     PhysicsEngine engine(std::is_same_v<Real, double> ? "si-f64" : "si-f32",
-                         {.threads = threads, .validate = true, .law_path = VESPER_LAW_PATH});
+                         {.threads = threads, .validate = validate, .law_path = VESPER_LAW_PATH});
     PhysicalPropertyProvider provider = engine.PropertyProvider();
     provider.AddPhysicalProperty("mass", mass);
     provider.AddPhysicalProperty("position", position);

@@ -95,6 +95,7 @@ std::string CheckPotentialEnergy(const Subject& of) {
   World world = subject.MakeWorld(7), probe = subject.MakeWorld(7);
   world.Clear("appliedForce");
   world.Clear("velocity");
+  world.Clear("angularVelocity");
   PhysicsEngine engine = world.MakeEngine(subject.file());
   engine.Advance(kDt);
   const BareLaw law(desc, probe.PropertiesFor(desc), &subject.library().table());

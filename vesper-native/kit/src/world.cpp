@@ -11,7 +11,7 @@
 namespace vesper {
 namespace {
 
-const std::string kOrientation = "orientation", kPosition = "position";
+const std::string kOrientation = "orientation", kPosition = "position", kRadius = "radius";
 
 /// Half the side of the box that holds the bodies [m], about one per cubic metre.
 double ReachOf(uint64_t bodies) { return std::max(2.0, std::cbrt(static_cast<double>(bodies)) / 2); }
@@ -112,6 +112,7 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
   // The engine fills sums, and scratch starts at zero.
   if ((property.law_access & (VESPER_ACCUMULATE | VESPER_SCRATCH)) != 0) return;
   if (property.name == kPosition) return Place(column, draw);
+  const bool is_radius = property.name == kRadius;  // few balls touch each, as matter does
   for (uint64_t row = 0; row < column.rows(); ++row) {
     // Neighbours, so that the rows that one refers to differ.
     auto reference = static_cast<uint64_t>(draw(0, static_cast<double>(column.rows())));
@@ -122,7 +123,7 @@ void World::Fill(AnyColumn& column, const std::function<double(double, double)>&
       } else if (column.is_vector()) {
         column.Set(value, draw(-1, 1));
       } else {
-        column.Set(value, draw(0.5, 2));
+        column.Set(value, is_radius ? draw(0.2, 0.6) : draw(0.5, 2));
       }
     }
     if (property.name == kOrientation) Normalise(column, row);
