@@ -3,18 +3,13 @@
 #include <charconv>
 
 namespace vesper::cli {
-namespace {
-
-/// "mass", or "position.x"; beyond four components "name.4".
-std::string ColumnName(const vesper_property_descriptor& property, uint32_t component) {
+std::string CsvColumnName(const vesper_property_descriptor& property, uint32_t component) {
   if (property.components == 1) return property.name;
   const std::string suffix = property.components <= 4 && property.scalar_type <= VESPER_F64
                                  ? std::string(1, "xyzw"[component])
                                  : std::to_string(component);
   return std::string(property.name) + "." + suffix;
 }
-
-}  // namespace
 
 std::string FormatNumber(double number, vesper_scalar_type type) {
   char text[32];
@@ -29,7 +24,7 @@ CsvWriter::CsvWriter(const std::string& path, std::vector<const AnyColumn*> colu
   file_ << "frame,time,row";
   for (const AnyColumn* column : columns_) {
     for (uint32_t c = 0; c < column->descriptor().components; ++c) {
-      file_ << ',' << ColumnName(column->descriptor(), c);
+      file_ << ',' << CsvColumnName(column->descriptor(), c);
     }
   }
   file_ << '\n';

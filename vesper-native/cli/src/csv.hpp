@@ -18,6 +18,9 @@ class FileError : public std::runtime_error {
 /// "1.5", the shortest text that reads back as the same number of that type.
 std::string FormatNumber(double number, vesper_scalar_type type);
 
+/// "mass", or "position.x"; beyond four components "name.4".
+std::string CsvColumnName(const vesper_property_descriptor& property, uint32_t component);
+
 class CsvWriter {
  public:
   /// `columns`: of one kind, borrowed. Throws FileError if the file cannot be written.

@@ -2,6 +2,8 @@
 
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <sstream>
 
 namespace vesper::cli {
@@ -14,6 +16,18 @@ std::string FromFolderOf(const std::string& file, const std::string& path) {
   const size_t slash = file.rfind('/');
   return slash == std::string::npos || path.starts_with('/') ? path
                                                              : file.substr(0, slash + 1) + path;
+}
+
+std::string ReadFile(const std::string& file) {
+  constexpr uintmax_t kLargestFile = 64 << 20;
+  std::error_code error;
+  const uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) throw std::runtime_error(file + ": " + error.message());
+  if (size > kLargestFile) throw std::runtime_error(file + ": larger than 64 MiB");
+  std::ifstream stream(file, std::ios::binary);
+  std::string text{std::istreambuf_iterator<char>(stream), {}};
+  if (!stream) throw std::runtime_error(file + ": cannot be read");
+  return text;
 }
 
 std::vector<std::string> DefaultLawFolders() {

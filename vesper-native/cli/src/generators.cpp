@@ -213,22 +213,21 @@ Value ReadRow(SceneReader& reader, const AnyColumn& column) {
                   (components == 1 ? "" : "; write them in parentheses: (x y …)"));
 }
 
+bool CanHold(const vesper_property_descriptor& property, double number) {
+  if (property.scalar_type == VESPER_F64) return std::isfinite(number);
+  if (property.scalar_type == VESPER_F32) return std::isfinite(static_cast<float>(number));
+  const bool is_signed = property.scalar_type == VESPER_I32;
+  const double low = is_signed ? INT32_MIN : 0, high = is_signed ? INT32_MAX : UINT32_MAX;
+  return number == std::floor(number) && number >= low && number <= high;
+}
+
 void SetRow(SceneReader& reader, AnyColumn& column, uint64_t row, const Value& value) {
   for (size_t c = 0; c < value.size(); ++c) {
-    const uint64_t at = row * value.size() + c;
-    if (column.is_real()) {
-      column.Set(at, value[c]);
-      if (std::isfinite(column.Get(at))) continue;
-    } else {
-      const bool is_signed = column.descriptor().scalar_type == VESPER_I32;
-      const double low = is_signed ? INT32_MIN : 0, high = is_signed ? INT32_MAX : UINT32_MAX;
-      if (value[c] == std::floor(value[c]) && value[c] >= low && value[c] <= high) {
-        column.Set(at, value[c]);
-        continue;
-      }
+    if (!CanHold(column.descriptor(), value[c])) {
+      reader.FailLast("row " + std::to_string(row) + " of " + NameOf(column) +
+                      ": the property's type cannot hold this number");
     }
-    reader.FailLast("row " + std::to_string(row) + " of " + NameOf(column) +
-                    ": the property's type cannot hold this number");
+    column.Set(row * value.size() + c, value[c]);
   }
 }
 

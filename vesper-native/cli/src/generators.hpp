@@ -12,6 +12,8 @@ namespace vesper::cli {
 void ReadColumn(SceneReader& reader, const Scene& scene, AnyColumn& column);
 /// Reads one value that has the column's components.
 Value ReadRow(SceneReader& reader, const AnyColumn& column);
+/// Whether a property of that type can hold the number.
+bool CanHold(const vesper_property_descriptor& property, double number);
 /// Checks that the column's type can hold the value; `reader` says where it came from.
 void SetRow(SceneReader& reader, AnyColumn& column, uint64_t row, const Value& value);
 

@@ -2,12 +2,10 @@
 
 #include <array>
 #include <cmath>
-#include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <ranges>
 #include <span>
 
+#include "csv_reader.hpp"
 #include "drawing_reader.hpp"
 #include "folders.hpp"
 #include "generators.hpp"
@@ -16,7 +14,6 @@
 namespace vesper::cli {
 namespace {
 
-constexpr uintmax_t kLargestFile = 64 << 20;
 constexpr double kLargestColumn = 1e9;  // values
 
 using Names = std::vector<std::string>;
@@ -176,7 +173,15 @@ class SceneParser {
     const Names kinds = Kinds();
     if (std::ranges::find(kinds, kind_) == kinds.end()) reader_.FailUnknown("kind", kinds);
     if (scene_.rows.contains(kind_)) reader_.FailLast("the rows of " + kind_ + " were given before");
-    scene_.rows[kind_] = reader_.Count("the number of rows", 0);
+    if (reader_.Accept("from")) {
+      const std::string file = FromFolderOf(scene_.file, reader_.Word("the name of a CSV file"));
+      ReadCsvRows(file, kind_, scene_);
+      for (const auto* property : PropertiesOf(kind_)) {
+        scene_.places.insert_or_assign(property->name, reader_.LineStart());
+      }
+    } else {
+      scene_.rows[kind_] = reader_.Count("the number of rows", 0);
+    }
     if (kind_ == "world" && scene_.rows[kind_] != 1) reader_.FailLast("the world has 1 row");
   }
 
@@ -235,16 +240,7 @@ const AnyColumn* Scene::Find(const std::string& property) const {
   return found == columns.end() ? nullptr : &found->second;
 }
 
-Scene ReadScene(const std::string& file) {
-  std::error_code error;
-  const uintmax_t size = std::filesystem::file_size(file, error);
-  if (error) throw std::runtime_error(file + ": " + error.message());
-  if (size > kLargestFile) throw std::runtime_error(file + ": larger than 64 MiB");
-  std::ifstream stream(file, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(stream), {}};
-  if (!stream) throw std::runtime_error(file + ": cannot be read");
-  return ParseScene(std::move(text), file);
-}
+Scene ReadScene(const std::string& file) { return ParseScene(ReadFile(file), file); }
 
 Scene ParseScene(std::string text, const std::string& file) {
   return SceneParser(std::move(text), file).Parse();

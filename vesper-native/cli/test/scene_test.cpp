@@ -92,6 +92,45 @@ TEST(SceneTest, PrototypeMayComeFromAFileBesideTheScene) {
   EXPECT_EQ(ErrorOf("scene 1\nprototype ./none.prototype\n").substr(0, 19), "s:2:11: NOT_FOUND: ");
 }
 
+/// Of a scene whose bodies come from a CSV file with this text.
+Scene FromCsv(const std::string& csv) {
+  const std::string folder = ::testing::TempDir();
+  std::ofstream(folder + "bodies.csv") << csv;
+  return ParseScene("scene 1\ndt 1\nrows body from bodies.csv\n", folder + "s.vesper");
+}
+
+std::string ErrorOfCsv(const std::string& csv) {
+  try {
+    FromCsv(csv);
+  } catch (const SceneError& error) {
+    return std::string(error.what()).substr((::testing::TempDir() + "bodies.csv").size());
+  }
+  return "no error";
+}
+
+TEST(CsvRowsTest, PropertiesAreNamedByTheFirstLineInAnyOrder) {
+  const Scene scene = FromCsv("position.z,mass,position.x,position.y\n3,10,1,2\r\n6,1/4,4e0,-5");
+  EXPECT_EQ(scene.rows.at("body"), 2u);
+  EXPECT_EQ(Values(scene, "mass"), (std::vector<double>{10, 0.25}));
+  EXPECT_EQ(Values(scene, "position"), (std::vector<double>{1, 2, 3, 4, -5, 6}));
+}
+
+TEST(CsvRowsTest, LastFrameOfARunIsRead) {
+  const Scene scene = FromCsv("frame,time,row,mass\n0,0,0,1\n0,0,1,2\n5,0.1,0,3\n5,0.1,1,4\n");
+  EXPECT_EQ(Values(scene, "mass"), (std::vector<double>{3, 4}));
+}
+
+TEST(CsvRowsTest, WhatIsWrongIsNamedByLineAndColumn) {
+  EXPECT_EQ(ErrorOfCsv(""), ":1:1: the file is empty; expected names of properties");
+  EXPECT_EQ(ErrorOfCsv("mass,maas\n"), ":1:6: 'maas' is no property of body; did you mean 'mass'?");
+  EXPECT_EQ(ErrorOfCsv("mass,mass\n"), ":1:6: 'mass' is there twice");
+  EXPECT_EQ(ErrorOfCsv("position.x,position.y\n"), ":1:1: 'position' has 3 components, found 2");
+  EXPECT_EQ(ErrorOfCsv("externalForce.x\n"),
+            ":1:1: 'externalForce.x' is summed up by the engine and cannot be given");
+  EXPECT_EQ(ErrorOfCsv("mass\n1\n1,2\n"), ":3:1: 2 cells; expected 1, as in the first line");
+  EXPECT_EQ(ErrorOfCsv("mass,charge\n1,nan\n"), ":2:3: found 'nan'; expected a number");
+}
+
 TEST(SceneTest, TimeUnitOfAPrototypeMustBeKnownBeforeDt) {
   const std::string folder = ::testing::TempDir();
   std::ofstream(folder + "slow.prototype") << "prototype slow\nreal f64\ntime [h]\n"
