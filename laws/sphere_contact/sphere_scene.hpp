@@ -70,17 +70,6 @@ struct SphereScene : Scene<Real> {
     return largest;
   }
 
-  /// Speed of the fastest point of a ball above a height [m/s].
-  double LargestSpeed(double above) const {
-    double largest = 0;
-    for (size_t i = 0; i < radius.size(); ++i) {
-      if (this->position[3 * i + 1] < above) continue;
-      largest = std::max(largest, Length(this->Wide(this->At(this->velocity, i))) +
-                                      radius[i] * Length(this->Wide(this->At(spin, i))));
-    }
-    return largest;
-  }
-
   /// Of springs of that stiffness between all that overlap [J].
   double ElasticEnergy(double stiffness) const {
     double energy = 0;
