@@ -8,6 +8,7 @@
 #include "csv_reader.hpp"
 #include "drawing_reader.hpp"
 #include "folders.hpp"
+#include "galaxy.hpp"
 #include "generators.hpp"
 #include "scene_reader.hpp"
 
@@ -41,7 +42,7 @@ class SceneParser {
     const char* name;
     void (SceneParser::*read)();
   };
-  static const std::array<Statement, 12> kStatements;
+  static const std::array<Statement, 13> kStatements;
 
   void ReadHeader() {
     if (!reader_.NextLine() || !reader_.Accept("scene") ||
@@ -215,7 +216,7 @@ class SceneParser {
   }
 
   template <void (*read)(SceneReader&, Scene&)>
-  void Draw() {
+  void Apply() {
     read(reader_, scene_);
   }
 
@@ -224,13 +225,14 @@ class SceneParser {
   std::string kind_;  // of the rows that are being described
 };
 
-const std::array<SceneParser::Statement, 12> SceneParser::kStatements{{
+const std::array<SceneParser::Statement, 13> SceneParser::kStatements{{
     {"prototype", &SceneParser::ReadPrototype}, {"dt", &SceneParser::ReadDt},
     {"steps", &SceneParser::ReadSteps},         {"law", &SceneParser::ReadLaw},
     {"rows", &SceneParser::ReadRows},           {"at", &SceneParser::ReadAt},
-    {"csv", &SceneParser::ReadCsv},             {"image", &SceneParser::Draw<ReadImage>},
-    {"camera", &SceneParser::Draw<ReadCamera>}, {"background", &SceneParser::Draw<ReadBackground>},
-    {"ground", &SceneParser::Draw<ReadGround>}, {"draw", &SceneParser::Draw<ReadDraw>},
+    {"csv", &SceneParser::ReadCsv},             {"image", &SceneParser::Apply<ReadImage>},
+    {"camera", &SceneParser::Apply<ReadCamera>}, {"background", &SceneParser::Apply<ReadBackground>},
+    {"ground", &SceneParser::Apply<ReadGround>}, {"draw", &SceneParser::Apply<ReadDraw>},
+    {"galaxy", &SceneParser::Apply<ReadGalaxy>},
 }};
 
 }  // namespace
