@@ -1,4 +1,7 @@
+#include <algorithm>
 #include <numbers>
+#include <numeric>
+#include <random>
 
 #include "scene.hpp"
 
@@ -202,6 +205,52 @@ TYPED_TEST(HookeSpringTest, SpringsThatShareABodyAddUp) {
   engine.LoadPhysicsLaw("hooke_spring");
   engine.Advance(0.01);
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{11, 20, 0, -11, 0, 0, 0, -20, 0}));
+}
+
+/// A chain of 600 bodies with springs of lengths of their own, given from end to end or shuffled.
+template <class Real>
+Scene<Real> Chain(bool shuffled) {
+  const uint32_t bodies = 600;
+  Scene<Real> scene;
+  for (uint32_t i = 0; i < bodies; ++i) {
+    scene.AddBody(1, {Real(i), Real(i % 7), 0}, {0, Real(i % 5), 0});
+  }
+  std::vector<uint32_t> order(bodies - 1);
+  std::iota(order.begin(), order.end(), 0);
+  if (shuffled) std::shuffle(order.begin(), order.end(), std::mt19937(11));
+  for (const uint32_t i : order) {
+    const uint32_t end = i % 2;  // every other spring the other way round
+    scene.AddSpring(i + end, i + 1 - end, Real(1 + i % 3), Real(100 + i), Real(i % 4));
+  }
+  return scene;
+}
+
+// A body between two springs sums two forces, and a + b is b + a.
+TYPED_TEST(HookeSpringTest, OrderOfTheSpringsOfAChainChangesNoBit) {
+  auto chain = Chain<TypeParam>(false), shuffled = Chain<TypeParam>(true);
+  for (auto* scene : {&chain, &shuffled}) {
+    PhysicsEngine engine = scene->MakeEngine(2);
+    engine.LoadPhysicsLaw("hooke_spring");
+    engine.LoadPhysicsLaw("newton_motion");
+    engine.Advance(1e-3, 10);
+  }
+  EXPECT_EQ(chain.external_force, shuffled.external_force);
+  EXPECT_EQ(chain.position, shuffled.position);
+}
+
+TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
+  for (const bool shuffled : {false, true}) {
+    auto scene = Chain<TypeParam>(shuffled);
+    PhysicsEngine engine = scene.MakeEngine();
+    engine.LoadPhysicsLaw("hooke_spring");
+    engine.Advance(0.01);
+    auto doubled = scene.external_force;
+    for (TypeParam& f : doubled) f *= 2;
+    for (TypeParam& k : scene.hooke_constant) k *= 2;
+    for (TypeParam& c : scene.damping_constant) c *= 2;
+    engine.Advance(0.01);
+    EXPECT_EQ(scene.external_force, doubled);
+  }
 }
 
 TYPED_TEST(HookeSpringTest, EditedEndpointsActOnceTouched) {
