@@ -83,7 +83,7 @@ uint64_t Calibrate(Action& action, double seconds) {
   return calls;
 }
 
-/** Calls a and b in turn, each for about `seconds` a round, and takes the median over the rounds. */
+/** Calls a and b in turn, each for about `seconds` a round; medians over the rounds. */
 template <class A, class B>
 Comparison SideBySide(A&& a, B&& b, int rounds = 9, double seconds = 0.1) {
   Series of_a(Calibrate(a, seconds)), of_b(Calibrate(b, seconds));
