@@ -1,0 +1,137 @@
+// An OpenCL device as the laws of this suite use it: one context, one queue in order.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+#define CL_TARGET_OPENCL_VERSION 120
+#include <CL/cl.h>
+
+namespace vesper::opencl {
+
+/** The functions of the OpenCL library that the suite calls. They are looked up when a law is
+ *  created and not linked, so that a machine without OpenCL is told so, and nothing else. */
+struct Api {
+  /** Throws std::runtime_error if the machine has no OpenCL library. */
+  Api();
+
+  decltype(&clGetPlatformIDs) GetPlatformIDs;
+  decltype(&clGetDeviceIDs) GetDeviceIDs;
+  decltype(&clGetDeviceInfo) GetDeviceInfo;
+  decltype(&clCreateContext) CreateContext;
+  decltype(&clReleaseContext) ReleaseContext;
+  decltype(&clCreateCommandQueue) CreateCommandQueue;
+  decltype(&clReleaseCommandQueue) ReleaseCommandQueue;
+  decltype(&clCreateProgramWithSource) CreateProgramWithSource;
+  decltype(&clBuildProgram) BuildProgram;
+  decltype(&clGetProgramBuildInfo) GetProgramBuildInfo;
+  decltype(&clReleaseProgram) ReleaseProgram;
+  decltype(&clCreateKernel) CreateKernel;
+  decltype(&clSetKernelArg) SetKernelArg;
+  decltype(&clReleaseKernel) ReleaseKernel;
+  decltype(&clCreateBuffer) CreateBuffer;
+  decltype(&clReleaseMemObject) ReleaseMemObject;
+  decltype(&clEnqueueWriteBuffer) EnqueueWriteBuffer;
+  decltype(&clEnqueueReadBuffer) EnqueueReadBuffer;
+  decltype(&clEnqueueNDRangeKernel) EnqueueNDRangeKernel;
+  decltype(&clFinish) Finish;
+};
+
+class Device;
+
+/** Memory on the device; grows, never shrinks. Not copied, not moved; dropped before its device. */
+class Buffer {
+ public:
+  explicit Buffer(Device& device) : device_(device) {}
+  ~Buffer();
+  Buffer(const Buffer&) = delete;
+  Buffer& operator=(const Buffer&) = delete;
+
+  /** At least that many bytes; what was in it is lost if it grows. */
+  void Reserve(size_t bytes);
+  void Upload(const void* from, size_t bytes);
+  /** Waits for all that was enqueued before. */
+  void Download(void* to, size_t bytes);
+  cl_mem handle() const { return memory_; }
+
+ private:
+  Device& device_;
+  cl_mem memory_ = nullptr;
+  size_t capacity_ = 0;
+};
+
+/** A compiled kernel, called with its arguments like a function. */
+class Kernel {
+ public:
+  Kernel(Device& device, cl_kernel kernel) : device_(device), kernel_(kernel) {}
+  ~Kernel();
+  Kernel(const Kernel&) = delete;
+  Kernel& operator=(const Kernel&) = delete;
+
+  /** Enqueues `items` work items; arguments are Buffers and numbers, in the kernel's order. */
+  template <class... Arguments>
+  void operator()(size_t items, const Arguments&... arguments) {
+    if (items == 0) return;
+    cl_uint index = 0;
+    (Set(index++, arguments), ...);
+    Enqueue(items);
+  }
+
+ private:
+  void Set(cl_uint index, const Buffer& buffer) {
+    const cl_mem memory = buffer.handle();
+    SetBytes(index, sizeof memory, &memory);
+  }
+  template <class Number>
+    requires std::is_arithmetic_v<Number>
+  void Set(cl_uint index, const Number& number) {
+    SetBytes(index, sizeof number, &number);
+  }
+  void SetBytes(cl_uint index, size_t size, const void* value);
+  void Enqueue(size_t items);
+
+  Device& device_;
+  cl_kernel kernel_;
+};
+
+/** A context on one device. Every failure is thrown as std::runtime_error that names the device and
+ *  the call. */
+class Device {
+ public:
+  /** The device whose number, counted over all platforms from 0, the environment variable
+   *  VESPER_OPENCL_DEVICE says; without it the first GPU, else the first device. It is a matter of
+   *  the machine, hence no parameter of a law. */
+  Device();
+  ~Device();
+  Device(const Device&) = delete;
+  Device& operator=(const Device&) = delete;
+
+  const std::string& name() const { return name_; }
+  /** Throws if the device cannot compute in doubles. */
+  void RequireDoubles() const;
+  /** Numbers of that size (4 or 8 bytes) that one instruction of the device works on. */
+  uint32_t VectorWidth(size_t number_size) const;
+  /** Kernel `kernel` of a program. */
+  std::unique_ptr<Kernel> Compile(const char* source, const std::string& options,
+                                  const char* kernel);
+  void Finish();
+
+ private:
+  friend class Buffer;
+  friend class Kernel;
+
+  void Check(cl_int result, const char* call) const;
+  std::string Info(cl_device_info what) const;
+
+  const Api api_;
+  cl_device_id device_ = nullptr;
+  std::string name_;
+  cl_context context_ = nullptr;
+  cl_command_queue queue_ = nullptr;
+};
+
+}  // namespace vesper::opencl

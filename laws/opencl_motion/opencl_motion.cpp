@@ -1,0 +1,6 @@
+#include "motion.hpp"
+#include "setup.hpp"
+
+using namespace vesper::opencl;
+
+VESPER_LAW_LIBRARY("opencl_motion", OpenClSetup, OpenClMotion)

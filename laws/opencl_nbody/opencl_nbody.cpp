@@ -1,0 +1,7 @@
+#include "gravitation.hpp"
+#include "motion.hpp"
+#include "setup.hpp"
+
+using namespace vesper::opencl;
+
+VESPER_LAW_LIBRARY("opencl_nbody", OpenClSetup, OpenClGravitation, OpenClMotion)
