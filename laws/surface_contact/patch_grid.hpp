@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -61,12 +60,13 @@ class PatchGrid {
     small_.clear();
     std::ranges::fill(start_, 0);
     if (members.empty()) return;
-    cell_ = ChooseCell(boxes, members);
+    const Real cell = ChooseCell(boxes, members);
+    per_cell_ = 1 / cell;
     small_size_ = 0;
     for (const uint32_t member : members) {
       const Box<Real>& box = boxes[member];
       const Real size = box.Size();
-      if (size > cell_) {
+      if (size > cell) {
         large_.push_back({box, {}, member});
       } else {
         small_size_ = std::max(small_size_, size);
@@ -134,7 +134,9 @@ class PatchGrid {
   Cell CellOf(Vec3<Real> p) const {
     const auto coordinate = [&](Real value) {
       constexpr Real kFar = 1 << 30;
-      return static_cast<int32_t>(std::clamp(std::floor(value / cell_), -kFar, kFar));
+      const Real cells = std::clamp(value * per_cell_, -kFar, kFar);
+      const auto towards_zero = static_cast<int32_t>(cells);
+      return towards_zero - (static_cast<Real>(towards_zero) > cells ? 1 : 0);
     };
     return {coordinate(p.x), coordinate(p.y), coordinate(p.z)};
   }
@@ -146,7 +148,7 @@ class PatchGrid {
     return mixed & static_cast<uint32_t>(start_.size() - 2);
   }
 
-  Real cell_ = 1;        // side [m]
+  Real per_cell_ = 1;    // of a cell's side [1/m]
   Real small_size_ = 0;  // of the largest box in a cell [m]
   std::vector<Real> sizes_;
   std::vector<Entry> large_;

@@ -146,6 +146,19 @@ TEST_P(Icosahedron, EndsInTheSameStateOnTwoThreads) {
   EXPECT_EQ(RunScene(GetParam(), 1, 1).state_hash, RunScene(GetParam(), 1, 2).state_hash);
 }
 
+// The world file is the scene `rolling` item by item: both end at the same place.
+TEST(IcosahedronWorld, RollingEndsWhereTheWorldFileDoes) {
+  const Json expected = Json::parse(ReadText(kFolder + "expected.json"));
+  const SceneRun run = RunScene("rolling", expected["seconds"], 1);
+  for (const Json& corner : expected["positions"]) {
+    const size_t row = std::stoul(corner["item"].get<std::string>().substr(1));
+    const auto [x, y, z] = corner["at"].get<std::array<double, 3>>();
+    EXPECT_LE(Length(run.frames.back().position.at(row) - Vector{x, y, z}),
+              corner["within"].get<double>())
+        << corner;
+  }
+}
+
 INSTANTIATE_TEST_SUITE_P(Scenes, Icosahedron,
                          ::testing::Values("solid", "goo", "rolling", "sliding"),
                          [](const auto& info) { return std::string(info.param); });
