@@ -14,6 +14,7 @@ struct RungeKutta4 {
   static constexpr auto kDoc = "Newton's second law by Runge-Kutta 4; mass 0 is immovable.";
   static constexpr auto kPhase = Phase::kIntegrate;
   static constexpr uint32_t kStages = 4;
+  static constexpr std::array<double, 5> kForceWeights = {0, 1. / 6, 1. / 3, 1. / 3, 1. / 6};
   static constexpr uint32_t kClaims = kTranslation | kRotation;
 
   Read<Real> mass{"mass", "body", units::kilogram};

@@ -14,6 +14,7 @@ struct VelocityVerlet {
   static constexpr auto kDoc = "Newton's second law by velocity Verlet; mass 0 is immovable.";
   static constexpr auto kPhase = Phase::kIntegrate;
   static constexpr uint32_t kClaims = kTranslation | kRotation;
+  static constexpr std::array<double, 2> kForceWeights = {0.5, 0.5};
 
   Read<Real> mass{"mass", "body", units::kilogram};
   Read<Vec3<Real>> force{"externalForce", "body", units::newton};

@@ -149,6 +149,61 @@ TEST(RunTest, JsonSaysWhatWasDone) {
   EXPECT_EQ(report.at("laws")[0].at("calls"), 70);
 }
 
+TEST(RunTest, LedgerFindsTheLawThatBreaksMomentum) {
+  const Folder folder;
+  const std::string scene = folder.Write("s.vesper",
+                                         "scene 1\n"
+                                         "dt 1/100\n"
+                                         "law hooke_spring\n"
+                                         "law " TESTED_LAWS "/libvesper_law_broken_momentum.so\n"
+                                         "law newton_motion\n"
+                                         "rows body 2\n"
+                                         "mass all 1\n"
+                                         "position (0 0 0) (1 0 0)\n"
+                                         "velocity all (0 1 0)\n"
+                                         "rows spring 1\n"
+                                         "endpoints (0 1)\n"
+                                         "length 0.5\n"
+                                         "hookeConstant 10\n");
+  const Outcome outcome = RunScene(scene, {"--ledger", "--json"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  const auto ledger = nlohmann::json::parse(outcome.output).at("ledger");
+  ASSERT_EQ(ledger.size(), 4u);
+  EXPECT_EQ(ledger[3].at("line"), "total");
+  for (const auto& line : ledger) {
+    const double momentum = std::abs(line.at("momentum")[0].get<double>()) +
+                            std::abs(line.at("momentum")[1].get<double>()) +
+                            std::abs(line.at("momentum")[2].get<double>());
+    const bool wrong = line.value("law", "") == "broken" || line.value("line", "") == "total";
+    EXPECT_EQ(momentum > 1e-9, wrong) << line;
+  }
+  const Outcome table = RunScene(scene, {"--ledger"});
+  std::istringstream lines(table.output.substr(table.output.find("\n  ledger ")));
+  std::string marked;
+  for (std::string line; std::getline(lines, line);) {
+    const size_t momentum_ends = line.find(')');
+    if (momentum_ends != std::string::npos && line.compare(momentum_ends, 3, ") *") == 0) {
+      marked += line.substr(2, line.find(' ', 2) - 2);
+    }
+  }
+  EXPECT_EQ(marked, "broken") << table.output;
+}
+
+/// The block of code of a page that begins so.
+std::string BlockOf(const std::string& page, const std::string& first_words) {
+  const size_t begin = page.find("```\n" + first_words) + 4;
+  return page.substr(begin, page.find("```", begin) - begin);
+}
+
+TEST(RunTest, TableOfThePageOnTheLedgerIsWhatItsSceneGives) {
+  const std::string page = ReadText(VESPER_DOCS "/ledger.md");
+  const Folder folder;
+  const std::string scene = folder.Write("pendulum.vesper", BlockOf(page, "scene 1"));
+  const Outcome outcome = RunScene(scene, {"--frames", "100", "--ledger"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
+  EXPECT_EQ(outcome.output.substr(outcome.output.find("  ledger ")), BlockOf(page, "  ledger "));
+}
+
 TEST(RunTest, WrongUsageEndsWith2) {
   EXPECT_EQ(RunVesper({}).exit_code, 2);
   EXPECT_EQ(RunVesper({"run"}).exit_code, 2);

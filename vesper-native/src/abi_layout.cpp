@@ -128,6 +128,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_desc, destroy),
     FIELD(vesper_law_desc, potential_energy),
     FIELD(vesper_law_desc, synchronize),
+    FIELD(vesper_law_desc, force_weights),
 
     STRUCT(vesper_field_desc),
     FIELD(vesper_field_desc, struct_size),
@@ -194,6 +195,15 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_info, parameters),
     FIELD(vesper_law_info, calls),
     FIELD(vesper_law_info, nanoseconds),
+
+    STRUCT(vesper_ledger_entry),
+    FIELD(vesper_ledger_entry, struct_size),
+    FIELD(vesper_ledger_entry, has_potential_energy),
+    FIELD(vesper_ledger_entry, momentum),
+    FIELD(vesper_ledger_entry, angular_momentum),
+    FIELD(vesper_ledger_entry, energy),
+    FIELD(vesper_ledger_entry, initial_potential_energy),
+    FIELD(vesper_ledger_entry, potential_energy),
 
     STRUCT(vesper_layout_entry),
     FIELD(vesper_layout_entry, struct_name),

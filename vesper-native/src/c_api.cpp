@@ -243,3 +243,24 @@ vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_t* out,
     hash = Required(engine, "engine").StateHash();
   });
 }
+
+vesper_status vesper_engine_set_ledger(vesper_engine* engine, uint32_t on,
+                                       vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").SetLedger(on != 0); });
+}
+
+vesper_status vesper_engine_ledger(vesper_engine* engine, vesper_library_id library, uint32_t line,
+                                   vesper_ledger_entry* out, vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    Required(engine, "engine").LedgerEntry(library, line, Required(out, "out"));
+  });
+}
+
+vesper_status vesper_engine_potential_energy(vesper_engine* engine, vesper_library_id library,
+                                             uint32_t law, double* out,
+                                             vesper_error* error) noexcept {
+  return Guarded(error, [&] {
+    double& energy = Required(out, "out");
+    energy = Required(engine, "engine").PotentialEnergy(library, law);
+  });
+}

@@ -61,6 +61,11 @@ class ConvertingRunner final : public LawRunner {
     CopyOut(use);
   }
 
+  double PotentialEnergy() override {
+    CopyIn();
+    return inner_->PotentialEnergy();
+  }
+
  private:
   bool IsConverted(size_t i) const {
     return !ratios_[i].IsOne() && (*targets_)[i].row_count > 0;

@@ -21,6 +21,21 @@ Failure NotBound(const std::string& property) {
       .Property(property);
 }
 
+void WriteEntry(const vesper::LedgerLine& line, vesper_ledger_entry& out) {
+  const auto write = [](const vesper::Vector& v, double* to) {
+    to[0] = v.x;
+    to[1] = v.y;
+    to[2] = v.z;
+  };
+  write(line.balance.momentum, out.momentum);
+  write(line.balance.angular_momentum, out.angular_momentum);
+  out.energy = line.balance.energy;
+  const vesper::PotentialEnergies potential = line.potential.value_or(vesper::PotentialEnergies{});
+  out.has_potential_energy = line.potential ? 1 : 0;
+  out.initial_potential_energy = potential.initial;
+  out.potential_energy = potential.present;
+}
+
 }  // namespace
 
 /// Holds the engine for the length of one call.
@@ -236,10 +251,10 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
   added->Create(table, vesper::ResolveParameters(added->laws(), parameters, count));
   libraries_.push_back(std::move(added));
   try {
-    schedule_.Plan(libraries_);
+    Plan();
   } catch (...) {
     libraries_.pop_back();
-    schedule_.Plan(libraries_);
+    Plan();
     throw;
   }
   libraries_.back()->Take(&prepared);
@@ -247,6 +262,11 @@ vesper_library_id vesper_engine::Load(vesper_prepared_library& prepared,
     columns_.SetField(field->property, field->function->field());
   }
   return next_library_++;
+}
+
+void vesper_engine::Plan() {
+  schedule_.Plan(libraries_);
+  if (ledger_ != nullptr) ledger_->Plan(libraries_);
 }
 
 void vesper_engine::MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const {
@@ -286,7 +306,7 @@ void vesper_engine::Unload(vesper_library_id id) {
   FaultIfFails([&] { schedule_.deferred().SynchronizeHeldBy(**found); });
   for (const auto& field : (*found)->fields()) columns_.Remove(field->property);
   libraries_.erase(found);
-  schedule_.Plan(libraries_);
+  Plan();
   if (faulted_ && faulted_library_ == id) {
     faulted_ = false;
     schedule_.Forget();
@@ -301,16 +321,19 @@ std::vector<std::unique_ptr<vesper::LawLibrary>>::const_iterator vesper_engine::
   throw Failure(VESPER_NOT_FOUND, "no library with id %u is loaded", id);
 }
 
+const vesper::LoadedLaw& vesper_engine::FindLaw(vesper_library_id id, uint32_t index) const {
+  const vesper::LawLibrary& library = **FindLibrary(id);
+  if (index < library.laws().size()) return *library.laws()[index];
+  throw Failure(VESPER_NOT_FOUND, "library %s has %zu laws, there is no law %u",
+                library.name().c_str(), library.laws().size(), index)
+      .Library(id);
+}
+
 void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const {
   const Turn turn(*this);
   vesper::CheckStructSize(out, "out");
   const vesper::LawLibrary& library = **FindLibrary(id);
-  if (index >= library.laws().size()) {
-    throw Failure(VESPER_NOT_FOUND, "library %s has %zu laws, there is no law %u",
-                  library.name().c_str(), library.laws().size(), index)
-        .Library(id);
-  }
-  const vesper::Law& law = library.laws()[index]->law;
+  const vesper::Law& law = FindLaw(id, index).law;
   const vesper_law_desc& desc = law.desc();
   out.library_id = id;
   out.library = library.name().c_str();
@@ -332,6 +355,27 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
   if (!std::isfinite(dt) || dt <= 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "dt is %g, expected a finite number above 0", dt);
   }
+  if (ledger_ == nullptr) {
+    Bind();
+  } else {
+    BindFresh();
+    ledger_->BeginAdvance();
+  }
+  schedule_.KeepScratch();
+  FaultIfFails([&] {
+    try {
+      for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
+      if (!config_.deferred) schedule_.deferred().SynchronizeAll();
+    } catch (...) {
+      schedule_.RestoreScratch();
+      throw;
+    }
+  });
+  step_count_ += steps;
+  if (ledger_ != nullptr) ledger_->EndAdvance();
+}
+
+void vesper_engine::Bind() {
   RefuseIfFaulted();
   RefreshColumns();
   if (config_.validate) columns_.CheckReferences();
@@ -339,17 +383,11 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
   if (!config_.deferred) deferred.TakeArrays();  // the client may have edited any
   if (!schedule_.IsBound()) FaultIfFails([&] { deferred.SynchronizeAll(); });
   schedule_.Bind();
-  schedule_.KeepScratch();
-  FaultIfFails([&] {
-    try {
-      for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
-      if (!config_.deferred) deferred.SynchronizeAll();
-    } catch (...) {
-      schedule_.RestoreScratch();
-      throw;
-    }
-  });
-  step_count_ += steps;
+}
+
+void vesper_engine::BindFresh() {
+  Bind();
+  FaultIfFails([&] { schedule_.deferred().SynchronizeAll(); });
 }
 
 void vesper_engine::RefuseIfFaulted() const {
@@ -407,6 +445,7 @@ void vesper_engine::MoveRow(const char* kind, uint64_t from, uint64_t to) {
                   from, kind, to)
         .Row(from);
   }
+  if (ledger_ != nullptr) ledger_->ForgetForces();
   for (const auto& library : libraries_) {
     for (const auto& law : library->laws()) {
       for (vesper::MatchedUse& use : law->uses) {
@@ -453,5 +492,56 @@ void vesper_engine::LoadState(std::span<const std::byte> saved) {
   const Turn turn(*this);
   step_count_ = vesper::LoadState(saved, State());
   schedule_.deferred().TakeArrays();
+  if (ledger_ != nullptr) ledger_->ForgetForces();
   schedule_.Forget();
+}
+
+void vesper_engine::SetLedger(bool on) {
+  const Turn turn(*this);
+  std::unique_ptr<vesper::Ledger> ledger;
+  if (on) {
+    ledger = std::make_unique<vesper::Ledger>(prototype_, columns_);
+    ledger->Plan(libraries_);
+  }
+  ledger_ = std::move(ledger);
+  schedule_.SetLedger(ledger_.get());
+}
+
+void vesper_engine::LedgerEntry(vesper_library_id id, uint32_t line, vesper_ledger_entry& out) {
+  const Turn turn(*this);
+  vesper::CheckStructSize(out, "out");
+  if (ledger_ == nullptr) {
+    throw Failure(VESPER_NOT_FOUND, "the ledger is off; switch it on before the steps to be booked");
+  }
+  if (id != VESPER_NO_LIBRARY) {
+    if (FindLaw(id, line).law.desc().potential_energy != nullptr) BindFresh();
+    WriteEntry(ledger_->Law(id, line), out);
+    return;
+  }
+  switch (line) {
+    case VESPER_LEDGER_CLIENT: return WriteEntry({ledger_->client(), {}}, out);
+    case VESPER_LEDGER_GROUND: return WriteEntry({ledger_->ground(), {}}, out);
+    case VESPER_LEDGER_UNLOADED: return WriteEntry({ledger_->unloaded(), {}}, out);
+    case VESPER_LEDGER_TOTAL:
+      BindFresh();
+      return WriteEntry(ledger_->Total(), out);
+  }
+  throw Failure(VESPER_NOT_FOUND, "the ledger has no line %u without a library", line);
+}
+
+double vesper_engine::PotentialEnergy(vesper_library_id id, uint32_t index) {
+  const Turn turn(*this);
+  const vesper::LoadedLaw& law = FindLaw(id, index);
+  if (law.law.desc().potential_energy == nullptr) {
+    throw Failure(VESPER_NOT_FOUND, "%s reports no potential energy", law.law.label().c_str())
+        .Library(id)
+        .Law(index);
+  }
+  BindFresh();
+  try {
+    return law.runner->PotentialEnergy();
+  } catch (Failure& failure) {
+    failure.Library(id).Law(index);
+    throw;
+  }
 }

@@ -10,6 +10,7 @@
 #include "config.hpp"
 #include "custom_provider.hpp"
 #include "law_library.hpp"
+#include "ledger.hpp"
 #include "prototype.hpp"
 #include "saved_state.hpp"
 #include "schedule.hpp"
@@ -50,6 +51,9 @@ struct vesper_engine {
   void ClearFault();
   void MoveRow(const char* kind, uint64_t from, uint64_t to);
   uint64_t StateHash();
+  void SetLedger(bool on);
+  void LedgerEntry(vesper_library_id id, uint32_t line, vesper_ledger_entry& out);
+  double PotentialEnergy(vesper_library_id id, uint32_t index);
   std::vector<std::byte> SaveState();
   void LoadState(std::span<const std::byte> saved);
 
@@ -69,6 +73,13 @@ struct vesper_engine {
   void MatchFields(const vesper_law_library& table, vesper::LawLibrary& added) const;
   const vesper::LawLibrary* FieldOwner(uint32_t property) const;
   void RefuseFieldOfLibrary(uint32_t property) const;
+  const vesper::LoadedLaw& FindLaw(vesper_library_id id, uint32_t index) const;
+  /// Takes over which laws there are.
+  void Plan();
+  /// Hands the present columns to all laws. Throws FAULTED if what they hold is undefined.
+  void Bind();
+  /// The same, with nothing deferred left over.
+  void BindFresh();
   void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
   void CheckConflicts(const vesper::LawLibrary& added) const;
   vesper::EngineState State() const;
@@ -85,6 +96,7 @@ struct vesper_engine {
   vesper::ThreadPool pool_;
   std::vector<std::unique_ptr<vesper::LawLibrary>> libraries_;  // in order of loading
   vesper::Schedule schedule_{columns_, pool_};
+  std::unique_ptr<vesper::Ledger> ledger_;  // null: switched off
   vesper_provider provider_{*this};
   mutable std::atomic<bool> busy_ = false;
   bool faulted_ = false;

@@ -1,6 +1,7 @@
 #include "law.hpp"
 
 #include <chrono>
+#include <cmath>
 
 #include "foreign_call.hpp"
 #include "struct_array.hpp"
@@ -48,6 +49,16 @@ void Law::Advance(const vesper_step& step) {
 void Law::Synchronize(uint32_t use) {
   CallForeign(label_,
               [&](vesper_error* error) { return desc_.synchronize(law_, use, error); });
+}
+
+double Law::PotentialEnergy() {
+  double energy = 0;
+  CallForeign(label_, [&](vesper_error* error) {
+    return desc_.potential_energy(law_, &energy, error);
+  });
+  if (std::isfinite(energy)) return energy;
+  throw Failure(VESPER_LAW_MISBEHAVED, "%s: its potential energy is %g, expected a number",
+                label_.c_str(), energy);
 }
 
 }  // namespace vesper

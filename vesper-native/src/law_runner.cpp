@@ -90,6 +90,8 @@ class DirectRunner final : public LawRunner {
     CheckFinite(law_, (*targets_)[use]);
   }
 
+  double PotentialEnergy() override { return law_.PotentialEnergy(); }
+
  private:
   Law& law_;
   const Targets* targets_ = nullptr;
@@ -133,6 +135,13 @@ class GuardedRunner final : public LawRunner {
     CheckKeptWord(use);
     CheckFinite(law_, seen);
     Copy((*targets_)[use], seen);
+  }
+
+  double PotentialEnergy() override {
+    CopyIn();
+    const double energy = law_.PotentialEnergy();
+    CheckKeptWord();
+    return energy;
   }
 
  private:

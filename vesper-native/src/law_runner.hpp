@@ -24,6 +24,9 @@ class LawRunner {
   /// Lets the law write the target of a use that it deferred. Throws LAW_MISBEHAVED if that is NaN
   /// or infinity.
   virtual void Synchronize(uint32_t use) = 0;
+  /// The law's potential energy [J] in the present state of the targets; only of a law that
+  /// reports it.
+  virtual double PotentialEnergy() = 0;
 };
 
 /// In place, or, if `validate`, on copies that hold the law to its declaration.

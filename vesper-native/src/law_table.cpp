@@ -96,6 +96,15 @@ void CheckParameters(const vesper_law_desc& law, const std::string& where) {
   }
 }
 
+void CheckForceWeights(const vesper_law_desc& law, const std::string& where) {
+  if (law.force_weights == nullptr) return;
+  Require(law.phase == VESPER_PHASE_INTEGRATE, where,
+          "force_weights is for laws of phase INTEGRATE");
+  double sum = 0;
+  for (uint32_t stage = 0; stage <= law.stages; ++stage) sum += law.force_weights[stage];
+  Require(std::abs(sum - 1) < 1e-9, where, "the sum of force_weights is not 1");
+}
+
 void CheckLaw(const vesper_law_desc& law, const std::string& library) {
   Require(IsValidName(law.name), library, "a law has no valid name");
   const std::string where = library + ", law " + law.name;
@@ -109,6 +118,7 @@ void CheckLaw(const vesper_law_desc& law, const std::string& library) {
   } else {
     Require(law.stages == 0, where, "stages is for laws of phase INTEGRATE");
   }
+  CheckForceWeights(law, where);
   Require(law.use_count <= kMaxTableEntries, where, "use_count is implausible");
   Require(law.parameter_count <= kMaxTableEntries, where, "parameter_count is implausible");
   Require((law.claims & ~kAllClaims) == 0, where, "unknown claims");

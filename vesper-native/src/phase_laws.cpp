@@ -49,8 +49,8 @@ void PhaseLaws::Plan() {
   failures_.assign(laws_.size(), nullptr);
 }
 
-void PhaseLaws::Run(ThreadPool& pool, LawCalls* calls, const vesper_step& step) {
-  const bool together = pool.threads() > 1 && waves_.size() < laws_.size();
+void PhaseLaws::Run(ThreadPool& pool, LawCalls* calls, bool in_order, const vesper_step& step) {
+  const bool together = !in_order && pool.threads() > 1 && waves_.size() < laws_.size();
   if (together) {
     RunInWaves(pool, calls, step);
   } else {

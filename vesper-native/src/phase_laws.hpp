@@ -58,8 +58,8 @@ class PhaseLaws {
   /// In order of loading.
   const std::vector<ScheduledLaw>& laws() const { return laws_; }
   /// Runs all laws once. Throws what the first law that fails throws, with library, law and stage.
-  /// `calls` null: nothing has to be done around them.
-  void Run(ThreadPool& pool, LawCalls* calls, const vesper_step& step);
+  /// `calls` null: nothing has to be done around them. `in_order`: none at the same time.
+  void Run(ThreadPool& pool, LawCalls* calls, bool in_order, const vesper_step& step);
 
  private:
   void RunInOrder(LawCalls* calls, const vesper_step& step);

@@ -60,7 +60,8 @@ void CheckDescriptor(const vesper_property_descriptor& property, uint32_t index)
 
 }  // namespace
 
-Prototype::Prototype(const vesper_prototype& source) : real_type_(source.real_type) {
+Prototype::Prototype(const vesper_prototype& source)
+    : real_type_(source.real_type), time_unit_(source.time_unit) {
   CheckStructSize(source, "prototype");
   if (!IsValidName(source.name)) {
     throw Failure(VESPER_INVALID_ARGUMENT,

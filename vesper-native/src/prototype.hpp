@@ -34,6 +34,7 @@ class Prototype {
 
   const std::string& name() const { return name_; }
   vesper_scalar_type real_type() const { return real_type_; }
+  const vesper_unit& time_unit() const { return time_unit_; }
   const std::vector<PropertySpec>& properties() const { return properties_; }
   const std::vector<std::string>& kinds() const { return kinds_; }
 
@@ -50,6 +51,7 @@ class Prototype {
 
   std::string name_;
   vesper_scalar_type real_type_;
+  vesper_unit time_unit_;
   std::vector<PropertySpec> properties_;
   std::vector<std::string> kinds_;
 };

@@ -132,19 +132,23 @@ void Schedule::RunStep(double dt, uint64_t step_index) {
   step.dt = dt;
   step.time = static_cast<double>(step_index) * dt;
   step.index = step_index;
+  if (ledger_ != nullptr) ledger_->BeginStep(dt);
   Run(VESPER_PHASE_INTEGRATE, step);
   for (step.stage = 1; step.stage <= stage_count_; ++step.stage) {
     Run(VESPER_PHASE_FORCE, step);
     SumShares(step.stage);
+    if (ledger_ != nullptr) ledger_->AfterForces(step.stage);
     Run(VESPER_PHASE_INTEGRATE, step);
   }
+  if (ledger_ != nullptr) ledger_->AfterIntegrators();
   step.stage = stage_count_;
   Run(VESPER_PHASE_CONSTRAIN, step);
   Run(VESPER_PHASE_OBSERVE, step);
 }
 
 void Schedule::Run(vesper_phase phase, const vesper_step& step) {
-  Phase(phase).Run(pool_, deferred_.none() ? nullptr : this, step);
+  const bool watched = ledger_ != nullptr;
+  Phase(phase).Run(pool_, watched || !deferred_.none() ? this : nullptr, watched, step);
 }
 
 void Schedule::Before(const ScheduledLaw& law, const vesper_step& step) {
@@ -154,6 +158,9 @@ void Schedule::Before(const ScheduledLaw& law, const vesper_step& step) {
 
 void Schedule::After(const ScheduledLaw& law, const vesper_step& step) {
   law.OnBehalf(step.stage, [&] { deferred_.After(law); });
+  if (ledger_ == nullptr) return;
+  deferred_.SynchronizeAll();  // it reads arrays
+  ledger_->AfterLaw(*law.law);
 }
 
 void Schedule::SumShares(uint32_t stage) {

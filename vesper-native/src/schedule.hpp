@@ -9,6 +9,7 @@
 #include "columns.hpp"
 #include "deferred_writes.hpp"
 #include "law_library.hpp"
+#include "ledger.hpp"
 #include "phase_laws.hpp"
 #include "thread_pool.hpp"
 
@@ -31,6 +32,8 @@ class Schedule final : private LawCalls {
   bool IsBound() const { return bound_generation_ == columns_.generation(); }
   /// Arrays that laws left stale.
   DeferredWrites& deferred() { return deferred_; }
+  /// Who watches the steps from now on; null: nobody.
+  void SetLedger(Ledger* ledger) { ledger_ = ledger; }
   /// Remembers what laws keep in SCRATCH, and takes it back.
   void KeepScratch();
   void RestoreScratch();
@@ -56,6 +59,7 @@ class Schedule final : private LawCalls {
   std::vector<ScratchColumn*> scratch_;
   uint32_t stage_count_ = 1;
   std::vector<Accumulation> accumulations_;  // one for each accumulator of the prototype
+  Ledger* ledger_ = nullptr;
   Targets targets_;  // of the law being bound; kept for its memory
   uint64_t bound_generation_ = 0;
 };

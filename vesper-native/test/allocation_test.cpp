@@ -36,12 +36,15 @@ void ExpectNoAllocations(const EngineOptions& options) {
   engine.Load("field");
   engine.Load("push");
   engine.Load("euler");
-  EXPECT_OK(engine.Advance(0.01, 1));
-  ASSERT_GT(allocations, start) << "the engine's allocations are not counted";
-  const uint64_t bound = allocations;
-  const vesper_status status = vesper_engine_advance(engine.get(), 0.01, 50, nullptr);
-  EXPECT_EQ(allocations, bound);
-  EXPECT_EQ(status, VESPER_OK);
+  for (const uint32_t ledger : {0u, 1u}) {
+    ASSERT_EQ(vesper_engine_set_ledger(engine.get(), ledger, nullptr), VESPER_OK);
+    EXPECT_OK(engine.Advance(0.01, 1));
+    ASSERT_GT(allocations, start) << "the engine's allocations are not counted";
+    const uint64_t bound = allocations;
+    const vesper_status status = vesper_engine_advance(engine.get(), 0.01, 50, nullptr);
+    EXPECT_EQ(allocations, bound) << "ledger " << ledger;
+    EXPECT_EQ(status, VESPER_OK);
+  }
 }
 
 TEST_P(AllocationTest, DeferredWritesAllocateNothingOnceBound) {

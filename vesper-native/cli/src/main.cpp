@@ -46,6 +46,8 @@ void AddRun(CLI::App& app, int& code) {
       ->check(CLI::Range(1, 1024))
       ->capture_default_str();
   command->add_flag("--validate", options->validate, "Hold laws to their declarations");
+  command->add_flag("--ledger", options->ledger,
+                    "Report how much each law changed momentum, angular momentum and energy");
   command->add_flag("--json", options->json, "Print the report as one JSON document");
   command->callback([options, &code] { code = Run(*options); });
 }

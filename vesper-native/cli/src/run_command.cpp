@@ -13,6 +13,7 @@
 #include "csv.hpp"
 #include "exit_code.hpp"
 #include "folders.hpp"
+#include "ledger_report.hpp"
 #include "picture.hpp"
 #include "scene.hpp"
 #include "text_table.hpp"
@@ -66,6 +67,7 @@ class SceneRun {
     AddSums();
     for (auto& [name, column] : scene_.columns) column.AddTo(engine_.PropertyProvider());
     for (const SceneLaw& law : scene_.laws) Load(law);
+    if (options.ledger) engine_.SetLedger(true);
     if (!options.csv.empty()) csv_.emplace(options.csv, CsvColumns());
     if (options.png) pictures_.emplace(scene_, *options.png, ProgramFolder() + "/vesper-render");
   }
@@ -162,7 +164,7 @@ class SceneRun {
     return laws;
   }
 
-  void ReportJson(const char* hash) const {
+  void ReportJson(const char* hash) {
     nlohmann::ordered_json report{{"scene", scene_.file},
                                   {"prototype", scene_.prototype->name},
                                   {"frames", frame_},
@@ -179,10 +181,11 @@ class SceneRun {
                                 {"calls", law.calls},
                                 {"nanoseconds", law.nanoseconds}});
     }
+    if (options_.ledger) report["ledger"] = LedgerJson(ReadLedger(engine_, Laws()));
     std::cout << report.dump() << "\n";
   }
 
-  void ReportText(const char* hash) const {
+  void ReportText(const char* hash) {
     std::cout << scene_.file << ": " << frame_ << " frames, " << engine_.StepCount()
               << " steps, t = " << FormatNumber(Time(frame_), VESPER_F32) << " s, state hash "
               << hash;
@@ -197,6 +200,7 @@ class SceneRun {
       table.push_back({law.name, law.version, std::to_string(law.calls) + " calls", time});
     }
     Print(std::cout, table, "  ");
+    if (options_.ledger) PrintLedger(std::cout, ReadLedger(engine_, Laws()));
   }
 
   Scene scene_;

@@ -19,6 +19,7 @@ struct RunOptions {
   std::vector<std::string> law_folders;
   uint32_t threads = 1;
   bool validate = false;
+  bool ledger = false;
   bool json = false;
 };
 

@@ -100,6 +100,24 @@ typedef struct vesper_law_info {
                              for each; for people, never for the world. */
 } vesper_law_info;
 
+/** One line of the ledger, since it was switched on; see docs/ledger.md. In SI units, whatever the
+ *  prototype's. Since 1.1. */
+typedef struct vesper_ledger_entry {
+  uint32_t struct_size;
+  uint32_t has_potential_energy; /**< 1: the two fields below say something; else they are 0. */
+  double momentum[3];            /**< Given to bodies [kg*m/s]. */
+  double angular_momentum[3];    /**< About the origin [kg*m^2/s]. */
+  double energy;                 /**< Kinetic [J]: the work of a force law. */
+  double initial_potential_energy; /**< [J], when the ledger first saw the law's arrays. */
+  double potential_energy;         /**< [J], of the present state. */
+} vesper_ledger_entry;
+
+/** Lines of the ledger that are no law's; see `vesper_engine_ledger`. */
+#define VESPER_LEDGER_CLIENT 0u   /**< appliedForce, and what the client changed between calls. */
+#define VESPER_LEDGER_GROUND 1u   /**< What immovable bodies took, sign turned. */
+#define VESPER_LEDGER_UNLOADED 2u /**< Laws that were unloaded since. */
+#define VESPER_LEDGER_TOTAL 3u    /**< What all bodies gained, measured: the sum of all lines. */
+
 /** One row of the layout table: how this build lays out the structs of the contract. */
 typedef struct vesper_layout_entry {
   const char* struct_name; /**< e.g. "vesper_error" */
@@ -265,6 +283,27 @@ VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER
  *  -0 as +0. Indexed properties are hashed as rows, not as values. */
 VESPER_API vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
+
+/** Opens the ledger (1): from the next advance on the engine books how much momentum, angular
+ *  momentum and energy each law gives to the bodies, which takes a few passes over their columns in
+ *  each step. On again starts anew; off (0) costs nothing. It needs properties mass, position and
+ *  velocity of the standard prototypes, of one kind, and knows externalForce, torque, orientation,
+ *  angularVelocity and inertia where there are any: NOT_FOUND, TYPE_MISMATCH or UNIT_MISMATCH name
+ *  what the prototype lacks. `advance` returns NOT_FOUND if the first three are not bound. */
+VESPER_API vesper_status vesper_engine_set_ledger(vesper_engine* engine, uint32_t on,
+                                                  vesper_error* error) VESPER_NOEXCEPT;
+/** The line of a law of a loaded library, or, of VESPER_NO_LIBRARY, one of VESPER_LEDGER_…, as of
+ *  the last advance that succeeded; the caller has set struct_size. NOT_FOUND if there is no
+ *  such line or the ledger is off; FAULTED after a failed step where potential energy is asked for. */
+VESPER_API vesper_status vesper_engine_ledger(vesper_engine* engine, vesper_library_id library,
+                                              uint32_t line, vesper_ledger_entry* out,
+                                              vesper_error* error) VESPER_NOEXCEPT;
+/** Potential energy [J] of the present state that the law's forces derive from; ledger on or off.
+ *  NOT_FOUND if the law reports none. */
+VESPER_API vesper_status vesper_engine_potential_energy(vesper_engine* engine,
+                                                        vesper_library_id library, uint32_t law,
+                                                        double* out,
+                                                        vesper_error* error) VESPER_NOEXCEPT;
 
 #ifdef __cplusplus
 }

@@ -149,6 +149,10 @@ typedef struct vesper_law_desc {
    *  for NaN and infinity like what `advance` writes. May be null where no written use is DEFERRED.
    *  Since 1.1. */
   vesper_status (*synchronize)(vesper_law* law, uint32_t use, vesper_error* error);
+  /** Since 1.1. INTEGRATE, for the ledger: 1 + stages weights whose sum is 1, or null: 0, and the
+   *  same for each stage. In a step the velocity changes by dt / mass times the weighted sum of the
+   *  forces: [0] of those that the step before ended with, then of each stage's. */
+  const double* force_weights;
 } vesper_law_desc;
 
 /** A field that a library brings for a FIELD property of the prototype. Since 1.1. */

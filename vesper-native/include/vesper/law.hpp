@@ -26,6 +26,8 @@
  *
  * Members that a law must have: kName, kVersion, kDoc, kPhase, Properties(), Advance(). It may have:
  *   uint32_t kStages        force evaluations per step of an integrator; 1 if absent
+ *   std::array<double, 1 + kStages> kForceWeights
+ *                           how its velocities follow from the forces; see `force_weights` in law.h
  *   uint32_t kClaims        vesper::Claim values joined with |; none if absent
  *   auto Parameters()       std::tie of its parameters
  *   void Bind()             rebuilds what it caches: arrays are new, or were edited by the client
@@ -548,6 +550,11 @@ class Instance {
       if constexpr (kDefersWrites<Properties>) desc.synchronize = &Instance::Synchronize;
       if constexpr (requires(Law& law) { law.PotentialEnergy(); }) {
         desc.potential_energy = &Instance::PotentialEnergy;
+      }
+      if constexpr (requires { Law::kForceWeights; }) {
+        static_assert(Law::kPhase == Phase::kIntegrate && Law::kForceWeights.size() == 1 + Stages(),
+                      "kForceWeights is for laws of phase kIntegrate: 1 + kStages numbers");
+        desc.force_weights = Law::kForceWeights.data();
       }
       return desc;
     }

@@ -470,6 +470,28 @@ class PhysicsEngine {
     detail::Check(vesper_engine_load_state(engine_.get(), state.data(), state.size(), &error),
                   error);
   }
+  /** Books from now on, anew, what each law gives to the bodies; see vesper_engine_set_ledger. */
+  void SetLedger(bool on) {
+    vesper_error error{};
+    detail::Check(vesper_engine_set_ledger(engine_.get(), on ? 1 : 0, &error), error);
+  }
+  /** The line of a law, or of VESPER_NO_LIBRARY and VESPER_LEDGER_CLIENT, GROUND, UNLOADED or
+   *  TOTAL; see vesper_engine_ledger. */
+  vesper_ledger_entry Ledger(vesper_library_id library, uint32_t line = 0) {
+    vesper_ledger_entry entry{};
+    entry.struct_size = sizeof entry;
+    vesper_error error{};
+    detail::Check(vesper_engine_ledger(engine_.get(), library, line, &entry, &error), error);
+    return entry;
+  }
+  /** [J], of the present state; throws NOT_FOUND if the law reports none. */
+  double PotentialEnergy(vesper_library_id library, uint32_t law = 0) {
+    double energy = 0;
+    vesper_error error{};
+    detail::Check(vesper_engine_potential_energy(engine_.get(), library, law, &energy, &error),
+                  error);
+    return energy;
+  }
   /** Steps done since creation. */
   uint64_t StepCount() const { return vesper_engine_step_count(engine_.get()); }
   /** Same state, same hash; see vesper_engine_state_hash. */

@@ -20,7 +20,8 @@
 #define UNKNOWN_CLAIM 14
 #define FIELD_WITHOUT_FUNCTION 15
 #define DEFERRED_WITHOUT_SYNCHRONIZE 16
-#define NO_DEFECT_BUT_OF_CONTRACT_1_0 17
+#define WEIGHTS_OF_NOTHING 17
+#define NO_DEFECT_BUT_OF_CONTRACT_1_0 18
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)law;
@@ -40,6 +41,7 @@ static vesper_property_use uses[] = {
     REAL_USE("position", 3, VESPER_READ_WRITE, VESPER_UNIT_METRE),
 };
 static vesper_parameter_desc parameters[] = {PARAMETER("p", VESPER_UNIT_ONE, 1, 0, 2)};
+static const double weights[] = {0.5, 0.4};
 static vesper_law_desc laws[] = {
     LAW("first", VESPER_PHASE_CONSTRAIN, 0, uses, USE_COUNT, parameters, 1, Create, Bind, Act),
     LAW("second", VESPER_PHASE_OBSERVE, 0, NULL, 0, NULL, 0, Create, Bind, Act),
@@ -74,6 +76,11 @@ const vesper_law_library* vesper_law_library_entry(void) {
       library.field_count = 1;
       break;
     case DEFERRED_WITHOUT_SYNCHRONIZE: uses[1].flags = VESPER_USE_DEFERRED; break;
+    case WEIGHTS_OF_NOTHING:
+      laws[0].phase = VESPER_PHASE_INTEGRATE;
+      laws[0].stages = 1;
+      laws[0].force_weights = weights;
+      break;
     case UNKNOWN_CLAIM: laws[0].claims = 1u << 30; break;
     default: break;
   }

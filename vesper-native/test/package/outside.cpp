@@ -31,7 +31,8 @@ constexpr vesper_property_use kUses[] = {{sizeof(vesper_property_use), VESPER_F6
                                           VESPER_UNIT_METRE_PER_SECOND_SQUARED, 0, 0}};
 constexpr vesper_law_desc kLaws[] = {{sizeof(vesper_law_desc), VESPER_F64, "outside", "1.0.0",
                                       "Sets accelerations.", VESPER_PHASE_OBSERVE, 0, 1, 0, kUses,
-                                      nullptr, 0, 0, Create, Bind, Advance, Destroy, nullptr, nullptr}};
+                                      nullptr, 0, 0, Create, Bind, Advance, Destroy, nullptr,
+                                      nullptr, nullptr}};
 constexpr vesper_law_library kLibrary = {
     sizeof kLibrary, VESPER_ABI_VERSION, "outside", 1, 0, kLaws, nullptr, nullptr,
     0, 0, nullptr};
