@@ -159,7 +159,7 @@ void Schedule::Before(const ScheduledLaw& law, const vesper_step& step) {
 void Schedule::After(const ScheduledLaw& law, const vesper_step& step) {
   law.OnBehalf(step.stage, [&] { deferred_.After(law); });
   if (ledger_ == nullptr) return;
-  deferred_.SynchronizeAll();  // it reads arrays
+  deferred_.SynchronizeAll(step.stage);  // it reads arrays
   ledger_->AfterLaw(*law.law);
 }
 

@@ -60,8 +60,10 @@ class LedgerTest : public BothModes {
   LedgerTest() { Start(8); }
 
   /// `count` bodies with the ledger on; those of mass 0 are at rest.
-  void Start(size_t count, size_t immovable = 0) {
-    engine = std::make_unique<TestEngine>(Options());
+  void Start(size_t count, size_t immovable = 0, bool deferred = false) {
+    EngineOptions options = Options();
+    options.deferred = deferred;
+    engine = std::make_unique<TestEngine>(options);
     bodies = Bodies(count);
     std::mt19937 random(kSeed);
     std::uniform_real_distribution<double> coordinate(-2, 2);
@@ -306,6 +308,31 @@ TEST_P(LedgerTest, BodiesMayComeAndGo) {
   sum += Law(euler);
   sum += Line(VESPER_LEDGER_CLIENT);
   ExpectNear(Line(VESPER_LEDGER_TOTAL), sum, 1e-10);
+}
+
+TEST_P(LedgerTest, LawsThatDeferTheirWritesAreBookedLikeTheirTwins) {
+  const auto book = [this](const std::vector<const char*>& laws, const char* beside, bool deferred) {
+    Start(8, 0, deferred);
+    std::vector<vesper_library_id> ids;
+    for (const char* law : laws) ids.push_back(engine->Load(law));
+    const vesper_library_id other = engine->Load(beside);
+    const vesper_library_id brake = engine->Load("brake");
+    EXPECT_OK(engine->Advance(0.01, 3));
+    EXPECT_OK(engine->Advance(0.01, 4));
+    const Totals move = ids.size() == 1 ? Law(ids.front(), 1) : Law(ids.back());
+    return std::vector<Totals>{Law(ids.front()), move, Law(other), Law(brake),
+                               Line(VESPER_LEDGER_CLIENT), Line(VESPER_LEDGER_TOTAL)};
+  };
+  for (const char* beside : {"trace_observe", "push"}) {  // one or two laws add to the forces
+    const std::vector<Totals> twins = book({"no_vault"}, beside, false);
+    ASSERT_GT(std::abs(twins[0].values[6]), 0.1) << "the spring works";
+    for (const auto& laws : {std::vector<const char*>{"vault"}, {"vault_pull", "vault_move"}}) {
+      for (const bool deferred : {false, true}) {
+        const std::vector<Totals> lines = book(laws, beside, deferred);
+        for (size_t i = 0; i < lines.size(); ++i) ExpectNear(lines[i], twins[i], 0);
+      }
+    }
+  }
 }
 
 TEST_P(LedgerTest, SwitchingOnAgainStartsAnew) {
