@@ -20,7 +20,7 @@ constexpr uint32_t kStepsPerFrame = 10;
 constexpr double kDt = 1.0 / 60 / kStepsPerFrame;  // [s]
 constexpr uint32_t kSettle = 60;                   // frames that are not timed
 constexpr uint32_t kFrames = 20;                   // that are
-constexpr double kStiffness = 4e4;                 // [N/m]
+constexpr double kStiffness = 6e4;                 // [N/m]
 constexpr int kLayers = 10;
 
 /// Balls of 1 kg and 1 m diameter.

@@ -13,7 +13,7 @@ constexpr uint64_t kBatch = 128, kGrain = 8 * kBatch;
 template <class Real>
 struct ForceField {
   static constexpr auto kName = "force_field", kVersion = "1.0.0";
-  static constexpr auto kDoc = "Exerts the world's force field, any function of position, on bodies.";
+  static constexpr auto kDoc = "Exerts the world's force field, a function of position, on bodies.";
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kTranslation | kRotation;
 

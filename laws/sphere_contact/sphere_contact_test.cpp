@@ -9,7 +9,7 @@ template <class Real>
 class SphereContactTest : public ::testing::Test {};
 TYPED_TEST_SUITE(SphereContactTest, Precisions);
 
-/// Of a spring and dashpot that only push (Schwager and Poeschel 2007): exp(-2 z acos z / sqrt(1 - z^2)).
+/// Of a spring and dashpot that only push (Schwager and Poeschel 2007).
 double Restitution(double damping_ratio) {
   return std::exp(-2 * damping_ratio * std::acos(damping_ratio) /
                   std::sqrt(1 - damping_ratio * damping_ratio));
@@ -134,7 +134,9 @@ TYPED_TEST(SphereContactTest, ForcesAreThoseOfAllPairs) {
 TYPED_TEST(SphereContactTest, BallsWithoutMassBearOthersAndStay) {
   SphereScene<TypeParam> scene;
   for (int x = -3; x <= 3; ++x) {
-    for (int z = -3; z <= 3; ++z) scene.AddSphere(0, 0.5, {x * TypeParam(0.8), 0, z * TypeParam(0.8)});
+    for (int z = -3; z <= 3; ++z) {
+      scene.AddSphere(0, 0.5, {x * TypeParam(0.8), 0, z * TypeParam(0.8)});
+    }
   }
   scene.AddSphere(1, 0.5, {TypeParam(0.3), 2, TypeParam(0.2)});
   scene.gravity = {0, -10, 0};

@@ -141,8 +141,8 @@ class SpherePairs {
     return *grids_.insert(at, {level, radius, 0});
   }
 
-  /** Entries by bucket, by counting. Cells wrap around in a cube of buckets, at least 4 each way, so
-   *  that the cells around one have buckets of their own. */
+  /** Entries by bucket, by counting. Cells wrap around in a cube of buckets, at least 4 each way,
+   *  so that the cells around one have buckets of their own. */
   void FillBuckets(const Spheres<Real>& spheres) {
     uint64_t side = 4;
     while (side * side * side < spheres.count) side *= 2;

@@ -106,7 +106,8 @@ struct SphereScene : Scene<Real> {
   void ForPairs(const std::vector<Real>& at, const Visit& visit) const {
     for (size_t i = 0; i < radius.size(); ++i) {
       for (size_t j = i + 1; j < radius.size(); ++j) {
-        if (radius[i] == 0 || radius[j] == 0 || (this->mass[i] == 0 && this->mass[j] == 0)) continue;
+        const bool immovable = this->mass[i] == 0 && this->mass[j] == 0;
+        if (radius[i] == 0 || radius[j] == 0 || immovable) continue;
         const auto way = this->Wide(this->At(at, j)) - this->Wide(this->At(at, i));
         const double distance = Length(way);
         const double depth = double{radius[i]} + double{radius[j]} - distance;

@@ -22,7 +22,7 @@ public final class JoltSpheres {
         Jolt.registerDefaultAllocator();
         Jolt.newFactory();
         Jolt.registerTypes();
-        TempAllocator memory = new TempAllocatorImpl(512 << 20);
+        TempAllocator memory = new TempAllocatorImpl(1600 << 20);
         JobSystem jobs = threads == 1 ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
                 : new JobSystemThreadPool(Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers, threads - 1);
         PhysicsSystem system = world(count);
@@ -48,7 +48,7 @@ public final class JoltSpheres {
 
     private static PhysicsSystem world(int count) {
         var system = new PhysicsSystem();
-        system.init(count + 16, 0, count * 16, count * 16,
+        system.init(count + 16, 0, count * 8, count * 8,
                 new MapObj2Bp(2, 2).add(MOVING, MOVING).add(FIXED, FIXED),
                 new ObjVsBpFilter(2, 2).disablePair(FIXED, FIXED),
                 new ObjVsObjFilter(2).disablePair(FIXED, FIXED));
