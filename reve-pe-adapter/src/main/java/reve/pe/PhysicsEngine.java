@@ -67,6 +67,19 @@ public interface PhysicsEngine extends AutoCloseable {
     /** Hash of step count and bound properties: equal hashes mean equal states. */
     long stateHash();
 
+    /**
+     * Opens the ledger, anew if it is open, or closes it: from the next advance on the engine books
+     * what each law gives to the bodies, at the cost of a few passes over them in each step. Needs
+     * the properties mass, position and velocity.
+     */
+    void setLedger(boolean on);
+
+    /**
+     * The open ledger as of the last advance that succeeded: the laws in the order of
+     * {@link #laws}, then client, ground, unloaded and total.
+     */
+    List<LedgerLine> ledger();
+
     /** Unloads every law and frees the engine. May be called twice. */
     @Override
     void close();

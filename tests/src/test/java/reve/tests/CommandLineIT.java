@@ -1,6 +1,7 @@
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.withinPercentage;
 
 import java.io.IOException;
 import java.nio.file.Files;
@@ -59,6 +60,24 @@ class CommandLineIT {
         assertThat(profile.code()).isZero();
         assertThat(profile.out()).contains("ns/body", "PHYSICS advance", "PHYSICS rollback copy", "DERIVE",
                 "PUBLISH snapshot copy", "PUBLISH readers", "rest");
+    }
+
+    @Test
+    void ledgerSaysWhatEachLawGave() throws Exception {
+        JsonNode ledger = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger", "--json")).get("ledger");
+        assertThat(ledger.valueStream().map(line -> line.path("law").asString(line.path("line").asString())))
+                .containsExactly("hooke_spring", "newton_motion", "total");
+        JsonNode spring = ledger.get(0);
+        JsonNode total = ledger.get(2);
+        assertThat(spring.get("momentum").valueStream().mapToDouble(JsonNode::asDouble))
+                .as("the two ends are pulled alike").allMatch(p -> Math.abs(p) < 1e-9);
+        assertThat(spring.get("potentialEnergy").has("present")).isTrue();
+        assertThat(total.get("energy").asDouble())
+                .as("the spring does all the work").isNotZero()
+                .isCloseTo(spring.get("energy").asDouble(), withinPercentage(1e-6));
+        Outcome table = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger");
+        assertThat(table.out().lines().filter(line -> line.startsWith("  ")).map(line -> line.strip().split(" ")[0]))
+                .containsExactly("ledger", "hooke_spring", "newton_motion", "total");
     }
 
     @Test

@@ -1,6 +1,7 @@
 package reve.pe.adapter;
 
 import java.util.HashSet;
+import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 import reve.core.frame.FrameEvent;
@@ -9,6 +10,7 @@ import reve.core.world.ColumnArena;
 import reve.core.world.Item;
 import reve.core.world.World;
 import reve.pe.Access;
+import reve.pe.LedgerLine;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
@@ -87,6 +89,17 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     public long stateHash() {
         lent.update();
         return engine.stateHash();
+    }
+
+    /** Opens or closes the engine's ledger. Between frames. */
+    public void setLedger(boolean on) {
+        engine.setLedger(on);
+    }
+
+    /** The engine's open ledger; what no law did is the client's. Between frames. */
+    public List<LedgerLine> ledger() {
+        lent.update();
+        return engine.ledger();
     }
 
     /** Where the time went. */

@@ -19,6 +19,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.TreeMap;
 import java.util.stream.Collectors;
+import reve.pe.LedgerLine;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
@@ -181,6 +182,19 @@ public final class VesperEngine implements PhysicsEngine {
         provider.checkArraysAlive();
         errors.check(VesperLibrary.engineStateHash(engine, out, errors.segment()));
         return out.get(JAVA_LONG, 0);
+    }
+
+    @Override
+    public void setLedger(boolean on) {
+        checkOpen();
+        errors.check(VesperLibrary.engineSetLedger(engine, on ? 1 : 0, errors.segment()));
+    }
+
+    @Override
+    public List<LedgerLine> ledger() {
+        checkOpen();
+        provider.checkArraysAlive();
+        return VesperLedger.read(engine, laws(), errors);
     }
 
     @Override

@@ -106,6 +106,15 @@ final class VesperLayouts {
         JAVA_LONG.withName("calls"),
         JAVA_LONG.withName("nanoseconds")).withName("vesper_law_info");
 
+    static final StructLayout LEDGER_ENTRY = MemoryLayout.structLayout(
+        JAVA_INT.withName("struct_size"),
+        JAVA_INT.withName("has_potential_energy"),
+        MemoryLayout.sequenceLayout(3, JAVA_DOUBLE).withName("momentum"),
+        MemoryLayout.sequenceLayout(3, JAVA_DOUBLE).withName("angular_momentum"),
+        JAVA_DOUBLE.withName("energy"),
+        JAVA_DOUBLE.withName("initial_potential_energy"),
+        JAVA_DOUBLE.withName("potential_energy")).withName("vesper_ledger_entry");
+
     static final StructLayout LAYOUT_ENTRY = MemoryLayout.structLayout(
         ADDRESS.withName("struct_name"),
         ADDRESS.withName("field"),
@@ -114,7 +123,7 @@ final class VesperLayouts {
 
     private static final List<StructLayout> ALL = List.of(UNIT, ERROR, PARAMETER,
         PROPERTY_DESCRIPTOR, PROTOTYPE, PROPERTY, PROPERTY_USE, ENGINE_CONFIG, LAW_INFO,
-        LAYOUT_ENTRY);
+        LEDGER_ENTRY, LAYOUT_ENTRY);
 
     private VesperLayouts() {
     }

@@ -69,6 +69,10 @@ final class VesperLibrary {
         function("vesper_engine_step_count", JAVA_LONG, ADDRESS);
     private static final MethodHandle STATE_HASH =
         function("vesper_engine_state_hash", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle SET_LEDGER =
+        function("vesper_engine_set_ledger", JAVA_INT, ADDRESS, JAVA_INT, ADDRESS);
+    private static final MethodHandle LEDGER = function("vesper_engine_ledger", JAVA_INT,
+        ADDRESS, JAVA_INT, JAVA_INT, ADDRESS, ADDRESS);
 
     private VesperLibrary() {
     }
@@ -269,6 +273,23 @@ final class VesperLibrary {
     static int engineStateHash(MemorySegment engine, MemorySegment out, MemorySegment error) {
         try {
             return (int) STATE_HASH.invokeExact(engine, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineSetLedger(MemorySegment engine, int on, MemorySegment error) {
+        try {
+            return (int) SET_LEDGER.invokeExact(engine, on, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineLedger(MemorySegment engine, int library, int line, MemorySegment out,
+                            MemorySegment error) {
+        try {
+            return (int) LEDGER.invokeExact(engine, library, line, out, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

@@ -3,6 +3,7 @@ package reve.pe.adapter;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
+import reve.pe.LedgerLine;
 import reve.pe.PhysicalPropertyProvider;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
@@ -87,6 +88,16 @@ final class FailingEngine implements PhysicsEngine {
     @Override
     public long stateHash() {
         return engine.stateHash();
+    }
+
+    @Override
+    public void setLedger(boolean on) {
+        engine.setLedger(on);
+    }
+
+    @Override
+    public List<LedgerLine> ledger() {
+        return engine.ledger();
     }
 
     @Override

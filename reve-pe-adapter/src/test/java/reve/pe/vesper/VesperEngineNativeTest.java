@@ -20,6 +20,7 @@ import java.util.Map;
 import java.util.Set;
 import org.junit.jupiter.api.Test;
 import reve.pe.Access;
+import reve.pe.LedgerLine;
 import reve.pe.NativeFiles;
 import reve.pe.Phase;
 import reve.pe.PhysicalPropertyProvider;
@@ -124,6 +125,34 @@ class VesperEngineNativeTest {
             assertThat(orbit.get("velocity")[3]).isEqualTo(2.0);
             assertThat(orbit.engine.laws()).extracting(PhysicsLaw::name)
                 .containsExactly("newton_motion");
+        }
+    }
+
+    @Test
+    void theLedgerSaysWhichLawGaveWhat() {
+        try (EngineFixture orbit = new EngineFixture().springOrbit()) {
+            orbit.engine.setLedger(true);
+            orbit.load("hooke_spring", "newton_motion");
+            int wind = orbit.engine.loadPhysicsLaw("wind", Map.of("force", 2.0));
+            orbit.engine.advance(0.25, 4);
+            List<LedgerLine> lines = orbit.engine.ledger();
+            assertThat(lines).extracting(LedgerLine::name).containsExactly("hooke_spring",
+                "newton_motion", "wind", "client", "ground", "unloaded", "total");
+            assertThat(lines).extracting(LedgerLine::law)
+                .containsExactly(true, true, true, false, false, false, false);
+            LedgerLine spring = lines.get(0);
+            LedgerLine total = lines.get(6);
+            assertThat(spring.momentum()).allSatisfy(p -> assertThat(p).isCloseTo(0, offset(1e-9)));
+            assertThat(lines.get(2).momentum()).containsExactly(4.0, 0.0, 0.0); // 2 bodies, 1 s
+            assertThat(total.momentum().get(0)).isCloseTo(4, offset(1e-9));
+            assertThat(spring.hasPotentialEnergy()).isTrue();
+            assertThat(total.energy())
+                .isCloseTo(spring.energy() + lines.get(2).energy(), withinPercentage(1e-6));
+            orbit.engine.unloadPhysicsLaw(wind);
+            assertThat(orbit.engine.ledger().get(4).momentum()).containsExactly(4.0, 0.0, 0.0);
+            orbit.engine.setLedger(false);
+            assertThatExceptionOfType(PhysicsException.class)
+                .isThrownBy(orbit.engine::ledger).withMessageContaining("the ledger is off");
         }
     }
 

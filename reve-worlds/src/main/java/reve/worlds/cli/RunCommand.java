@@ -1,6 +1,7 @@
 package reve.worlds.cli;
 
 import java.io.PrintWriter;
+import java.util.Map;
 import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
@@ -31,6 +32,10 @@ public final class RunCommand implements Callable<Integer> {
     @Option(names = "--profile", description = "Show where the time went, by phase and per body.")
     private boolean profile;
 
+    @Option(names = "--ledger",
+            description = "Show how much each law changed momentum, angular momentum and energy.")
+    private boolean ledger;
+
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
@@ -41,19 +46,35 @@ public final class RunCommand implements Callable<Integer> {
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing);
                 Interrupt _ = new Interrupt(simulation.loop()::stop)) {
+            simulation.physics().setLedger(ledger);
             RunReport report = run(simulation, frames);
             if (json) {
-                Json.print(spec, report.fields());
+                Json.print(spec, fields(report, simulation));
             } else {
-                PrintWriter out = spec.commandLine().getOut();
-                report.print(out);
-                if (profile) {
-                    report.printProfile(out);
-                }
-                out.flush();
+                print(report, simulation);
             }
             return report.faults().isEmpty() ? ExitCode.OK : ExitCode.FAILURE;
         }
+    }
+
+    private Map<String, Object> fields(RunReport report, Simulation simulation) {
+        Map<String, Object> fields = report.fields();
+        if (ledger) {
+            fields.put("ledger", new LedgerReport(simulation.physics().ledger()).fields());
+        }
+        return fields;
+    }
+
+    private void print(RunReport report, Simulation simulation) {
+        PrintWriter out = spec.commandLine().getOut();
+        report.print(out);
+        if (profile) {
+            report.printProfile(out);
+        }
+        if (ledger) {
+            new LedgerReport(simulation.physics().ledger()).print(out);
+        }
+        out.flush();
     }
 
     private static RunReport run(Simulation simulation, long frames) {
