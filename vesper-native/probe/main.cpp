@@ -62,7 +62,7 @@ void OpenAndCheck(const std::string& source) {
   Enter(ProbeStage::kCallingEntry);
   const vesper_law_library* library = entry();
   Enter(ProbeStage::kReadingTable);
-  vesper::CheckLawLibrary(library, source.c_str());
+  vesper::LawTable(library, source.c_str());
   Enter(ProbeStage::kUnloading);
   dlclose(handle);
   Enter(ProbeStage::kDone);

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <memory>
 #include <new>
+#include <utility>
 
 namespace vesper {
 
@@ -12,6 +13,19 @@ namespace vesper {
 class AlignedBuffer {
  public:
   static constexpr size_t kAlignment = 64;
+
+  AlignedBuffer() = default;
+  /// Leaves `other` empty.
+  AlignedBuffer(AlignedBuffer&& other) noexcept
+      : bytes_(std::move(other.bytes_)),
+        size_(std::exchange(other.size_, 0)),
+        capacity_(std::exchange(other.capacity_, 0)) {}
+  AlignedBuffer& operator=(AlignedBuffer&& other) noexcept {
+    bytes_ = std::move(other.bytes_);
+    size_ = std::exchange(other.size_, 0);
+    capacity_ = std::exchange(other.capacity_, 0);
+    return *this;
+  }
 
   /// Makes room for `size` bytes; their contents are unspecified if the buffer had to grow.
   void Resize(size_t size) {

@@ -1,10 +1,11 @@
 #include "columns.hpp"
 
+#include <algorithm>
 #include <cinttypes>
 
 #include "failure.hpp"
 #include "kernels.hpp"
-#include "struct_array.hpp"
+#include "versioned_struct.hpp"
 #include "unit.hpp"
 
 namespace vesper {
@@ -110,7 +111,7 @@ void Columns::CheckField(uint32_t property, const vesper_field& field) const {
                   DescribeType(spec(property).type, spec(property).components).c_str())
         .Property(name);
   }
-  CheckStructSize(field, "field");
+  CheckStructSize<vesper_field>(field.struct_size, "field");
   if (field.evaluate == nullptr) {
     throw Failure(VESPER_INVALID_ARGUMENT, "property %s: field.evaluate is null", name.c_str())
         .Property(name);
@@ -147,6 +148,7 @@ void Columns::Touch(uint32_t property) {
 void Columns::Refresh() {
   if (refreshed_ == generation_) return;
   AgreeRowCounts();
+  CheckApart();
   for (uint32_t i = 0; i < size(); ++i) {
     if (!columns_[i].bound || !columns_[i].stale) continue;
     if (columns_[i].arrays.indices != nullptr) Expand(i);
@@ -173,6 +175,39 @@ void Columns::AgreeRowCounts() {
           .Property(spec(i).name);
     }
     row_counts_[kind] = first == kNone ? 0 : columns_[first].arrays.row_count;
+  }
+}
+
+/// What a law writes through one property must not change another behind everybody's back.
+void Columns::CheckApart() {
+  extents_.clear();
+  const auto add = [this](const void* data, uint64_t size, uint32_t property, bool written) {
+    const auto begin = reinterpret_cast<uintptr_t>(data);
+    if (size > 0) extents_.push_back({begin, begin + size, property, written});
+  };
+  for (uint32_t i = 0; i < size(); ++i) {
+    const Arrays& arrays = columns_[i].arrays;
+    if (!columns_[i].bound || IsField(spec(i).type)) continue;
+    const bool written = (spec(i).law_access & (VESPER_WRITE | VESPER_ACCUMULATE)) != 0;
+    add(arrays.data, arrays.value_count * spec(i).row_size, i, written);
+    if (arrays.indices != nullptr) add(arrays.indices, arrays.row_count * 4, i, false);
+  }
+  std::sort(extents_.begin(), extents_.end(), [](const Extent& a, const Extent& b) {
+    return a.begin != b.begin ? a.begin < b.begin : a.property < b.property;
+  });
+  // Of those before, the one that reaches furthest, and the written one that does.
+  Extent any{}, written{};
+  for (const Extent& extent : extents_) {
+    const Extent& before = extent.written ? any : written;
+    if (extent.begin < before.end) {
+      const std::string& name = spec(extent.property).name;
+      throw Failure(VESPER_ACCESS_CONFLICT,
+                    "properties %s and %s share memory that laws may write; give each its own",
+                    spec(before.property).name.c_str(), name.c_str())
+          .Property(name);
+    }
+    if (extent.end > any.end) any = extent;
+    if (extent.written && extent.end > written.end) written = extent;
   }
 }
 

@@ -34,6 +34,13 @@ struct Column {
   }
 };
 
+/// Memory of the client's that stands for a property.
+struct Extent {
+  uintptr_t begin, end;
+  uint32_t property;
+  bool written;  // by laws, or by the engine
+};
+
 /// All columns of an engine, in prototype order. Not thread-safe.
 class Columns {
  public:
@@ -59,14 +66,16 @@ class Columns {
   /// Raised by every change.
   uint64_t generation() const { return generation_; }
 
-  /// Agrees the row counts, expands shared values and range-checks references, of what changed.
-  /// Throws COUNT_MISMATCH or INVALID_ARGUMENT that names property and row.
+  /// Agrees the row counts, holds arrays that laws may write apart from all others, expands shared
+  /// values and range-checks references, of what changed. Throws COUNT_MISMATCH, ACCESS_CONFLICT or
+  /// INVALID_ARGUMENT that names property and row.
   void Refresh();
   /// Range-checks references again, changed or not.
   void CheckReferences();
 
  private:
   void AgreeRowCounts();
+  void CheckApart();
   void Expand(uint32_t property);
   void CheckReference(uint32_t property) const;
 
@@ -75,6 +84,7 @@ class Columns {
   std::vector<uint64_t> row_counts_;  // by kind
   uint64_t generation_ = 1;
   uint64_t refreshed_ = 0;
+  std::vector<Extent> extents_;  // kept for its memory
 };
 
 }  // namespace vesper

@@ -3,7 +3,7 @@
 #include <dlfcn.h>
 
 #include "failure.hpp"
-#include "struct_array.hpp"
+#include "versioned_struct.hpp"
 
 namespace vesper {
 namespace {
@@ -21,32 +21,32 @@ std::string ProbeBesideLibrary() {
 
 }  // namespace
 
-Config::Config(const vesper_engine_config* source) {
-  if (source == nullptr) throw Failure(VESPER_INVALID_ARGUMENT, "config is null");
-  CheckStructSize(*source, "config");
-  if (source->threads == 0 || source->threads > kMaxThreads) {
+Config::Config(const vesper_engine_config* given) {
+  if (given == nullptr) throw Failure(VESPER_INVALID_ARGUMENT, "config is null");
+  const vesper_engine_config source = ReadStruct(*given, "config");
+  if (source.threads == 0 || source.threads > kMaxThreads) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.threads is %u, expected 1 to %u",
-                  source->threads, kMaxThreads);
+                  source.threads, kMaxThreads);
   }
-  if (source->validate > 1) {
+  if (source.validate > 1) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.validate is %u, expected 0 or 1",
-                  source->validate);
+                  source.validate);
   }
-  if (source->deferred > 1) {
+  if (source.deferred > 1) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.deferred is %u, expected 0 or 1",
-                  source->deferred);
+                  source.deferred);
   }
-  if (source->probe_timeout_ms == 0) {
+  if (source.probe_timeout_ms == 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.probe_timeout_ms is 0, expected at least 1");
   }
-  threads = source->threads;
-  validate = source->validate == 1;
-  deferred = source->deferred == 1;
-  probe_timeout_ms = source->probe_timeout_ms;
-  law_path = source->law_path != nullptr ? source->law_path : "";
-  probe_path = source->probe_path != nullptr ? source->probe_path : ProbeBesideLibrary();
-  log = source->log;
-  log_user = source->log_user;
+  threads = source.threads;
+  validate = source.validate == 1;
+  deferred = source.deferred == 1;
+  probe_timeout_ms = source.probe_timeout_ms;
+  law_path = source.law_path != nullptr ? source.law_path : "";
+  probe_path = source.probe_path != nullptr ? source.probe_path : ProbeBesideLibrary();
+  log = source.log;
+  log_user = source.log_user;
 }
 
 }  // namespace vesper

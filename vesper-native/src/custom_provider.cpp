@@ -1,18 +1,19 @@
 #include "custom_provider.hpp"
 
 #include "failure.hpp"
-#include "struct_array.hpp"
+#include "versioned_struct.hpp"
 #include "unit.hpp"
 
 namespace vesper {
 
 CustomProvider::CustomProvider(const vesper_provider_callbacks& callbacks,
                                const Prototype& prototype)
-    : callbacks_(callbacks), prototype_(prototype), answers_(prototype.properties().size()) {
-  CheckStructSize(callbacks, "callbacks");
-  if (callbacks.find == nullptr || callbacks.version == nullptr) {
+    : callbacks_(ReadStruct(callbacks, "callbacks")),
+      prototype_(prototype),
+      answers_(prototype.properties().size()) {
+  if (callbacks_.find == nullptr || callbacks_.version == nullptr) {
     throw Failure(VESPER_INVALID_ARGUMENT, "callbacks.%s is null",
-                  callbacks.find == nullptr ? "find" : "version");
+                  callbacks_.find == nullptr ? "find" : "version");
   }
 }
 

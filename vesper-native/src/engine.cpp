@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cinttypes>
 #include <cmath>
+#include <span>
 #include <string>
 
 #include "failure.hpp"
 #include "law_table.hpp"
 #include "matching.hpp"
 #include "state_hash.hpp"
-#include "struct_array.hpp"
+#include "versioned_struct.hpp"
 #include "unit.hpp"
 
 using vesper::Failure;
@@ -22,18 +23,17 @@ Failure NotBound(const std::string& property) {
 }
 
 void WriteEntry(const vesper::LedgerLine& line, vesper_ledger_entry& out) {
-  const auto write = [](const vesper::Vector& v, double* to) {
-    to[0] = v.x;
-    to[1] = v.y;
-    to[2] = v.z;
-  };
-  write(line.balance.momentum, out.momentum);
-  write(line.balance.angular_momentum, out.angular_momentum);
-  out.energy = line.balance.energy;
+  const vesper::Vector& momentum = line.balance.momentum;
+  const vesper::Vector& angular_momentum = line.balance.angular_momentum;
   const vesper::PotentialEnergies potential = line.potential.value_or(vesper::PotentialEnergies{});
-  out.has_potential_energy = line.potential ? 1 : 0;
-  out.initial_potential_energy = potential.initial;
-  out.potential_energy = potential.present;
+  const vesper_ledger_entry entry{sizeof entry,
+                                  line.potential ? 1u : 0u,
+                                  {momentum.x, momentum.y, momentum.z},
+                                  {angular_momentum.x, angular_momentum.y, angular_momentum.z},
+                                  line.balance.energy,
+                                  potential.initial,
+                                  potential.present};
+  vesper::WriteStruct(out, entry, "out");
 }
 
 }  // namespace
@@ -171,7 +171,7 @@ void vesper_engine::RefuseFieldOfLibrary(uint32_t property) const {
 
 void vesper_engine::MatchFields(const vesper_law_library& table,
                                 vesper::LawLibrary& added) const {
-  const auto fields = vesper::FieldsOf(table);
+  const std::span fields(table.fields, table.field_count);
   for (uint32_t i = 0; i < fields.size(); ++i) {
     added.fields().push_back(vesper::MatchField(table.name, fields[i], prototype_));
     const uint32_t property = added.fields().back()->property;
@@ -197,19 +197,21 @@ void vesper_engine::FindProperty(const char* name, vesper_property& out) {
   const Turn turn(*this);
   if (custom_ != nullptr) RefreshColumns();
   const uint32_t property = prototype_.Require(name);
-  vesper::CheckStructSize(out, "out");
   const vesper::PropertySpec& spec = columns_.spec(property);
   const vesper::Column& column = columns_[property];
+  vesper::CheckStructSize<vesper_property>(out.struct_size, "out");
   if (!column.bound) throw NotBound(spec.name);
   FaultIfFails([&] { schedule_.deferred().Synchronize(property); });
-  out.scalar_type = spec.type;
-  out.name = spec.name.c_str();
-  out.kind = prototype_.kinds()[spec.kind].c_str();
-  out.components = spec.components;
-  out.access = spec.law_access;
-  out.data = column.arrays.data;
-  out.row_count = column.arrays.row_count;
-  out.version = column.version;
+  const vesper_property found{sizeof found,
+                              spec.type,
+                              spec.name.c_str(),
+                              prototype_.kinds()[spec.kind].c_str(),
+                              spec.components,
+                              spec.law_access,
+                              column.arrays.data,
+                              column.arrays.row_count,
+                              column.version};
+  vesper::WriteStruct(out, found, "out");
 }
 
 std::vector<uint32_t> vesper_engine::BoundProperties(const char* const* names,
@@ -270,7 +272,7 @@ void vesper_engine::Plan() {
 }
 
 void vesper_engine::MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const {
-  const vesper::StructArray laws(table.laws, table.law_count, "laws");
+  const std::span laws(table.laws, table.law_count);
   for (uint32_t i = 0; i < laws.size(); ++i) {
     if (laws[i].real_type != 0 && laws[i].real_type != prototype_.real_type()) continue;
     const auto index = static_cast<uint32_t>(added.laws().size());
@@ -331,23 +333,24 @@ const vesper::LoadedLaw& vesper_engine::FindLaw(vesper_library_id id, uint32_t i
 
 void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_info& out) const {
   const Turn turn(*this);
-  vesper::CheckStructSize(out, "out");
   const vesper::LawLibrary& library = **FindLibrary(id);
   const vesper::Law& law = FindLaw(id, index).law;
   const vesper_law_desc& desc = law.desc();
-  out.library_id = id;
-  out.library = library.name().c_str();
-  out.name = desc.name;
-  out.version = desc.version;
-  out.doc = desc.doc;
-  out.phase = desc.phase;
-  out.stages = desc.stages;
-  out.use_count = desc.use_count;
-  out.parameter_count = desc.parameter_count;
-  out.uses = desc.uses;
-  out.parameters = desc.parameters;
-  out.calls = law.calls();
-  out.nanoseconds = law.nanoseconds();
+  const vesper_law_info info{sizeof info,
+                             id,
+                             library.name().c_str(),
+                             desc.name,
+                             desc.version,
+                             desc.doc,
+                             desc.phase,
+                             desc.stages,
+                             desc.use_count,
+                             desc.parameter_count,
+                             desc.uses,
+                             desc.parameters,
+                             law.calls(),
+                             law.nanoseconds()};
+  vesper::WriteStruct(out, info, "out");
 }
 
 void vesper_engine::Advance(double dt, uint32_t steps) {
@@ -362,16 +365,20 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
     ledger_->BeginAdvance();
   }
   schedule_.KeepScratch();
+  vesper::StepClock clock = clock_;
   FaultIfFails([&] {
     try {
-      for (uint32_t i = 0; i < steps; ++i) schedule_.RunStep(dt, step_count_ + i);
+      for (uint32_t i = 0; i < steps; ++i) {
+        schedule_.RunStep(dt, clock);
+        clock.Tick(dt);
+      }
       if (!config_.deferred) schedule_.deferred().SynchronizeAll();
     } catch (...) {
       schedule_.RestoreScratch();
       throw;
     }
   });
-  step_count_ += steps;
+  clock_ = clock;
   if (ledger_ != nullptr) ledger_->EndAdvance();
 }
 
@@ -460,12 +467,12 @@ uint64_t vesper_engine::StateHash() {
   RefuseIfFaulted();
   RefreshColumns();
   FaultIfFails([&] { schedule_.deferred().SynchronizeAll(); });
-  return vesper::HashState(step_count_, columns_);
+  return vesper::HashState(clock_.steps, columns_);
 }
 
 /// What there is to save, under names that say all that must agree.
 vesper::EngineState vesper_engine::State() const {
-  vesper::EngineState state{step_count_, prototype_.name(), {}};
+  vesper::EngineState state{clock_, prototype_.name(), {}};
   for (const auto& library : libraries_) {
     for (const auto& law : library->laws()) {
       const vesper_law_desc& desc = law->law.desc();
@@ -490,7 +497,7 @@ std::vector<std::byte> vesper_engine::SaveState() {
 
 void vesper_engine::LoadState(std::span<const std::byte> saved) {
   const Turn turn(*this);
-  step_count_ = vesper::LoadState(saved, State());
+  clock_ = vesper::LoadState(saved, State());
   schedule_.deferred().TakeArrays();
   if (ledger_ != nullptr) ledger_->ForgetForces();
   schedule_.Forget();
@@ -509,7 +516,7 @@ void vesper_engine::SetLedger(bool on) {
 
 void vesper_engine::LedgerEntry(vesper_library_id id, uint32_t line, vesper_ledger_entry& out) {
   const Turn turn(*this);
-  vesper::CheckStructSize(out, "out");
+  vesper::CheckStructSize<vesper_ledger_entry>(out.struct_size, "out");
   if (ledger_ == nullptr) {
     throw Failure(VESPER_NOT_FOUND, "the ledger is off; switch it on before the steps to be booked");
   }

@@ -14,6 +14,7 @@
 #include "prototype.hpp"
 #include "saved_state.hpp"
 #include "schedule.hpp"
+#include "step_clock.hpp"
 #include "thread_pool.hpp"
 
 struct vesper_provider {
@@ -30,7 +31,7 @@ struct vesper_engine {
 
   vesper_provider& provider() { return provider_; }
   bool busy() const { return busy_.load(std::memory_order_acquire); }
-  uint64_t step_count() const { return step_count_; }
+  uint64_t step_count() const { return clock_.steps; }
 
   void SetProvider(const vesper_provider_callbacks* callbacks);
   void AddProperty(const char* name, const vesper::Arrays& arrays);
@@ -102,5 +103,5 @@ struct vesper_engine {
   bool faulted_ = false;
   vesper_library_id faulted_library_ = VESPER_NO_LIBRARY;
   vesper_library_id next_library_ = 1;
-  uint64_t step_count_ = 0;
+  vesper::StepClock clock_;
 };

@@ -2,14 +2,14 @@
 
 #include <chrono>
 #include <cmath>
+#include <span>
 
 #include "foreign_call.hpp"
-#include "struct_array.hpp"
 
 namespace vesper {
 
 Law::Law(const vesper_law_desc& desc) : desc_(desc), label_(std::string("law ") + desc.name) {
-  const StructArray uses(desc.uses, desc.use_count, "uses");
+  const std::span uses(desc.uses, desc.use_count);
   for (uint32_t i = 0; i < uses.size(); ++i) {
     deferred_.push_back((uses[i].flags & VESPER_USE_DEFERRED) != 0);
   }

@@ -65,6 +65,35 @@ bool IsWritten(const Law& law, const Targets& targets, size_t use) {
   return targets[use].access != VESPER_READ && !law.Defers(use);
 }
 
+/// Throws if a property that the law only reads holds NaN or infinity. No other law put it there:
+/// what laws write is scanned before the next one runs.
+void CheckInputs(const Law& law, const Targets& seen) {
+  for (const vesper_property& property : seen) {
+    if (property.access != VESPER_READ || IsField(property.scalar_type)) continue;
+    const uint64_t bad = FindNonFinite(property.scalar_type, property.data, ValueCount(property));
+    if (bad == kNotFound) continue;
+    const uint64_t row = bad / property.components;
+    throw Failure(VESPER_INVALID_ARGUMENT,
+                  "property %s, row %" PRIu64 ": is %s, which %s reads; give it a finite value",
+                  property.name, row, PrintValue(property, bad).c_str(), law.label().c_str())
+        .Property(property.name)
+        .Row(row);
+  }
+}
+
+/// What the law wrote must be finite; if it is not, the law's inputs are blamed first.
+void CheckWritten(const Law& law, const Targets& seen) {
+  for (size_t i = 0; i < seen.size(); ++i) {
+    if (!IsWritten(law, seen, i)) continue;
+    try {
+      CheckFinite(law, seen[i]);
+    } catch (const Failure&) {
+      CheckInputs(law, seen);
+      throw;
+    }
+  }
+}
+
 class DirectRunner final : public LawRunner {
  public:
   explicit DirectRunner(Law& law) : law_(law) {}
@@ -80,9 +109,7 @@ class DirectRunner final : public LawRunner {
       if (target.access == VESPER_ACCUMULATE && !law_.Defers(i)) Zero(target);
     }
     law_.Advance(step);
-    for (size_t i = 0; i < targets_->size(); ++i) {
-      if (IsWritten(law_, *targets_, i)) CheckFinite(law_, (*targets_)[i]);
-    }
+    CheckWritten(law_, *targets_);
   }
 
   void Synchronize(uint32_t use) override {
@@ -119,9 +146,7 @@ class GuardedRunner final : public LawRunner {
     CopyIn();
     law_.Advance(step);
     CheckKeptWord();
-    for (size_t i = 0; i < seen_.size(); ++i) {
-      if (IsWritten(law_, seen_, i)) CheckFinite(law_, seen_[i]);
-    }
+    CheckWritten(law_, seen_);
     for (size_t i = 0; i < seen_.size(); ++i) {
       if (IsWritten(law_, seen_, i)) Copy((*targets_)[i], seen_[i]);
     }

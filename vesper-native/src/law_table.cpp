@@ -1,20 +1,19 @@
 #include "law_table.hpp"
 
 #include <cmath>
-#include <cstddef>
 #include <cstdio>
 #include <cstring>
+#include <span>
 #include <string>
 
 #include "failure.hpp"
-#include "struct_array.hpp"
+#include "versioned_struct.hpp"
 #include "unit.hpp"
 
 namespace vesper {
 namespace {
 
 constexpr uint32_t kMaxStages = 16;
-constexpr size_t kLibrarySizeOf10 = offsetof(vesper_law_library, field_count);
 constexpr const char* kBadUnit = "unit has no finite positive scale or no symbol end";
 constexpr uint32_t kAllClaims = VESPER_CLAIM_MOMENTUM | VESPER_CLAIM_ANGULAR_MOMENTUM |
                                 VESPER_CLAIM_TRANSLATION | VESPER_CLAIM_ROTATION;
@@ -30,7 +29,7 @@ void Require(bool condition, const std::string& where, const char* what) {
 void CheckAbi(const vesper_law_library& library, const char* source) {
   const uint32_t major = library.abi_version >> 16;
   const uint32_t minor = library.abi_version & 0xffff;
-  if (major == VESPER_ABI_MAJOR && minor <= VESPER_ABI_MINOR) return;
+  if (major == VESPER_ABI_MAJOR) return;
   throw Failure(VESPER_ABI_MISMATCH, "law library %s built for %u.%u, engine speaks %u.%u", source,
                 major, minor, VESPER_ABI_MAJOR, VESPER_ABI_MINOR);
 }
@@ -68,7 +67,7 @@ void CheckUse(const vesper_property_use& use, const vesper_law_desc& law,
 }
 
 void CheckUses(const vesper_law_desc& law, const std::string& where) {
-  const StructArray uses(law.uses, law.use_count, "uses");
+  const std::span uses(law.uses, law.use_count);
   for (uint32_t i = 0; i < uses.size(); ++i) {
     CheckUse(uses[i], law, where);
     for (uint32_t j = 0; j < i; ++j) {
@@ -79,7 +78,7 @@ void CheckUses(const vesper_law_desc& law, const std::string& where) {
 }
 
 void CheckParameters(const vesper_law_desc& law, const std::string& where) {
-  const StructArray parameters(law.parameters, law.parameter_count, "parameters");
+  const std::span parameters(law.parameters, law.parameter_count);
   for (uint32_t i = 0; i < parameters.size(); ++i) {
     const vesper_parameter_desc& parameter = parameters[i];
     Require(IsValidName(parameter.name), where, "a parameter has no valid name");
@@ -119,8 +118,6 @@ void CheckLaw(const vesper_law_desc& law, const std::string& library) {
     Require(law.stages == 0, where, "stages is for laws of phase INTEGRATE");
   }
   CheckForceWeights(law, where);
-  Require(law.use_count <= kMaxTableEntries, where, "use_count is implausible");
-  Require(law.parameter_count <= kMaxTableEntries, where, "parameter_count is implausible");
   Require((law.claims & ~kAllClaims) == 0, where, "unknown claims");
   Require(law.create != nullptr && law.bind != nullptr && law.advance != nullptr &&
               law.destroy != nullptr,
@@ -134,8 +131,7 @@ bool ServeOnePrototype(const vesper_law_desc& a, const vesper_law_desc& b) {
 }
 
 void CheckFields(const vesper_law_library& library, const std::string& where) {
-  const StructArray<vesper_field_desc> fields = FieldsOf(library);
-  Require(fields.size() <= kMaxTableEntries, where, "field_count is implausible");
+  const std::span fields(library.fields, library.field_count);
   for (uint32_t i = 0; i < fields.size(); ++i) {
     Require(IsValidName(fields[i].name), where, "a field has no valid name");
     const std::string name = where + ", field " + fields[i].name;
@@ -150,7 +146,7 @@ void CheckFields(const vesper_law_library& library, const std::string& where) {
 }
 
 void CheckLaws(const vesper_law_library& library, const std::string& where) {
-  const StructArray laws(library.laws, library.law_count, "laws");
+  const std::span laws(library.laws, library.law_count);
   for (uint32_t i = 0; i < laws.size(); ++i) {
     CheckLaw(laws[i], where);
     for (uint32_t j = 0; j < i; ++j) {
@@ -162,29 +158,45 @@ void CheckLaws(const vesper_law_library& library, const std::string& where) {
 
 }  // namespace
 
-StructArray<vesper_field_desc> FieldsOf(const vesper_law_library& library) {
-  if (library.struct_size < sizeof library) return {nullptr, 0, "fields"};
-  return {library.fields, library.field_count, "fields"};
+void LawTable::ReadLaws(const std::string& where) {
+  laws_ = ReadStructs(library_.laws, library_.law_count, "laws");
+  library_.laws = laws_.data();
+  for (vesper_law_desc& law : laws_) {
+    Require(law.use_count <= kMaxTableEntries, where, "use_count of a law is implausible");
+    Require(law.parameter_count <= kMaxTableEntries, where,
+            "parameter_count of a law is implausible");
+    uses_.push_back(ReadStructs(law.uses, law.use_count, "uses"));
+    law.uses = uses_.back().data();
+    parameters_.push_back(ReadStructs(law.parameters, law.parameter_count, "parameters"));
+    law.parameters = parameters_.back().data();
+  }
 }
 
-void CheckLawLibrary(const vesper_law_library* library, const char* source) {
+LawTable::LawTable(const vesper_law_library* library, const char* source) {
   const std::string file(source);
   Require(library != nullptr, file, VESPER_LAW_LIBRARY_ENTRY " returned null");
   Require(reinterpret_cast<uintptr_t>(library) % alignof(vesper_law_library) == 0, file,
           VESPER_LAW_LIBRARY_ENTRY " returned a misaligned pointer");
   CheckAbi(*library, source);
   try {
-    CheckStructSize(*library, "vesper_law_library", kLibrarySizeOf10);
-    Require(IsValidName(library->name), file, "the library has no valid name");
-    Require(library->law_count >= 1 && library->law_count <= kMaxTableEntries, file,
+    library_ = ReadStruct(*library, "vesper_law_library");
+    Require(IsValidName(library_.name), file, "the library has no valid name");
+    Require(library_.law_count >= 1 && library_.law_count <= kMaxTableEntries, file,
             "law_count must be 1 to 256");
-    Require((library->open == nullptr) == (library->close == nullptr), file,
+    Require((library_.open == nullptr) == (library_.close == nullptr), file,
             "open and close go together");
-    CheckLaws(*library, file);
-    CheckFields(*library, file);
+    Require(library_.field_count <= kMaxTableEntries, file, "field_count is implausible");
+    ReadLaws(file);
+    fields_ = ReadStructs(library_.fields, library_.field_count, "fields");
+    library_.fields = fields_.data();
+    CheckLaws(library_, file);
+    CheckFields(library_, file);
   } catch (Failure& failure) {
     if (failure.status() == VESPER_LIBRARY_LOAD_FAILED) throw;
-    throw Failure(VESPER_LIBRARY_LOAD_FAILED, "%s: %s", source, failure.error().message);
+    const vesper_status status = failure.status() == VESPER_ABI_MISMATCH
+                                     ? VESPER_ABI_MISMATCH
+                                     : VESPER_LIBRARY_LOAD_FAILED;
+    throw Failure(status, "%s: %s", source, failure.error().message);
   }
 }
 

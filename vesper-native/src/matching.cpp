@@ -1,12 +1,13 @@
 #include "matching.hpp"
 
 #include <cmath>
+#include <span>
 #include <string>
 #include <string_view>
 
 #include "failure.hpp"
 #include "nearest_name.hpp"
-#include "struct_array.hpp"
+#include "versioned_struct.hpp"
 #include "unit.hpp"
 
 namespace vesper {
@@ -116,7 +117,7 @@ std::vector<ParameterSlot> ListParameters(const std::vector<std::unique_ptr<Load
   std::vector<ParameterSlot> slots;
   for (size_t law = 0; law < laws.size(); ++law) {
     const vesper_law_desc& desc = laws[law]->law.desc();
-    const StructArray descs(desc.parameters, desc.parameter_count, "parameters");
+    const std::span descs(desc.parameters, desc.parameter_count);
     for (uint32_t i = 0; i < descs.size(); ++i) slots.push_back({law, i, &descs[i]});
   }
   return slots;
@@ -158,7 +159,7 @@ void CheckValue(const char* law, const vesper_parameter_desc& desc, double value
 
 std::vector<MatchedUse> MatchUses(const vesper_law_desc& law, const Prototype& prototype,
                                   const Columns& columns) {
-  const StructArray uses(law.uses, law.use_count, "uses");
+  const std::span uses(law.uses, law.use_count);
   std::vector<MatchedUse> matched;
   for (uint32_t i = 0; i < uses.size(); ++i) {
     if (uses[i].access == VESPER_SCRATCH) {
@@ -232,7 +233,7 @@ std::vector<std::vector<double>> ResolveParameters(
   std::vector<std::vector<double>> values(laws.size());
   for (const ParameterSlot& slot : slots) values[slot.law].push_back(slot.desc->default_value);
   std::vector<bool> given(slots.size());
-  const StructArray wanted(parameters, count, "parameters");
+  const auto wanted = ReadStructs(parameters, count, "parameters");
   for (uint32_t i = 0; i < wanted.size(); ++i) {
     if (wanted[i].name == nullptr) {
       throw Failure(VESPER_INVALID_ARGUMENT, "parameters[%u].name is null", i);

@@ -16,13 +16,15 @@ struct ScheduledLaw {
   LoadedLaw* law;
   LawLibrary* library;
 
-  /// Runs `body`; what it throws is laid at the door of the law.
+  /// Runs `body`; what it throws is laid at the door of the law, unless the client's input is wrong.
   template <class Body>
   void OnBehalf(uint32_t stage, Body&& body) const {
     try {
       body();
     } catch (Failure& failure) {
-      failure.Library(library->id()).Law(law->index).Stage(stage);
+      failure.Stage(stage);
+      if (failure.status() == VESPER_INVALID_ARGUMENT) throw;
+      failure.Library(library->id()).Law(law->index);
       throw;
     }
   }

@@ -161,16 +161,14 @@ MappedLibrary::~MappedLibrary() {
   }
 }
 
-const vesper_law_library& MappedLibrary::Table() const {
+LawTable MappedLibrary::Table() const {
   const auto entry = reinterpret_cast<decltype(&vesper_law_library_entry)>(
       dlsym(handle_, VESPER_LAW_LIBRARY_ENTRY));
   if (entry == nullptr) {
     throw LoadFailure(copy_.source(), "does not export " VESPER_LAW_LIBRARY_ENTRY);
   }
   const FloatingPointGuard guard;
-  const vesper_law_library* table = entry();
-  CheckLawLibrary(table, copy_.source().c_str());
-  return *table;
+  return LawTable(entry(), copy_.source().c_str());
 }
 
 }  // namespace vesper

@@ -5,6 +5,7 @@
 
 #include "config.hpp"
 #include "descriptor.hpp"
+#include "law_table.hpp"
 #include "vesper/engine.h"
 
 namespace vesper {
@@ -38,8 +39,8 @@ class MappedLibrary {
   MappedLibrary(const MappedLibrary&) = delete;
   MappedLibrary& operator=(const MappedLibrary&) = delete;
 
-  /// What its entry returns, checked.
-  const vesper_law_library& Table() const;
+  /// Asks its entry.
+  LawTable Table() const;
 
  private:
   SealedCopy copy_;
@@ -53,9 +54,9 @@ struct vesper_prepared_library {
   vesper_prepared_library(const vesper::Config& config, const std::string& library)
       : mapped_(config, library), table_(mapped_.Table()) {}
 
-  const vesper_law_library& table() const { return table_; }
+  const vesper_law_library& table() const { return table_.library(); }
 
  private:
   vesper::MappedLibrary mapped_;
-  const vesper_law_library& table_;
+  vesper::LawTable table_;
 };

@@ -4,7 +4,7 @@
 
 #include "failure.hpp"
 #include "nearest_name.hpp"
-#include "struct_array.hpp"
+#include "versioned_struct.hpp"
 #include "unit.hpp"
 
 namespace vesper {
@@ -60,9 +60,10 @@ void CheckDescriptor(const vesper_property_descriptor& property, uint32_t index)
 
 }  // namespace
 
-Prototype::Prototype(const vesper_prototype& source)
-    : real_type_(source.real_type), time_unit_(source.time_unit) {
-  CheckStructSize(source, "prototype");
+Prototype::Prototype(const vesper_prototype& given) {
+  const vesper_prototype source = ReadStruct(given, "prototype");
+  real_type_ = source.real_type;
+  time_unit_ = source.time_unit;
   if (!IsValidName(source.name)) {
     throw Failure(VESPER_INVALID_ARGUMENT,
                   "prototype.name: expected 1 to %zu letters, digits, '_' or '-'", kMaxNameLength);
@@ -77,7 +78,8 @@ Prototype::Prototype(const vesper_prototype& source)
     throw Failure(VESPER_INVALID_ARGUMENT, "prototype %s: %u properties, at most %u are supported",
                   source.name, source.property_count, kMaxProperties);
   }
-  const StructArray descriptors(source.properties, source.property_count, "prototype.properties");
+  const auto descriptors =
+      ReadStructs(source.properties, source.property_count, "prototype.properties");
   for (uint32_t i = 0; i < descriptors.size(); ++i) {
     CheckDescriptor(descriptors[i], i);
     AddProperty(descriptors[i]);

@@ -13,14 +13,14 @@ namespace vesper {
 namespace {
 
 constexpr char kMagic[8] = {'V', 'E', 'S', 'P', 'E', 'R', 'S', 'T'};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 2;
 
 struct Header {
   char magic[8];
   uint32_t version;
   uint32_t scratch_count;
   uint64_t size;  // of everything, the checksum at the end included
-  uint64_t step_count;
+  StepClock clock;
 };
 
 uint64_t Checksum(std::span<const std::byte> bytes) {
@@ -134,7 +134,7 @@ void CheckComplete(const std::vector<SavedScratch>& saved, const EngineState& st
 
 std::vector<std::byte> SaveState(const EngineState& state) {
   Writer writer;
-  Header header{{}, kVersion, static_cast<uint32_t>(state.scratch.size()), 0, state.step_count};
+  Header header{{}, kVersion, static_cast<uint32_t>(state.scratch.size()), 0, state.clock};
   std::memcpy(header.magic, kMagic, sizeof kMagic);
   writer.Value(header);
   writer.Text(state.prototype);
@@ -149,7 +149,7 @@ std::vector<std::byte> SaveState(const EngineState& state) {
   return writer.Take();
 }
 
-uint64_t LoadState(std::span<const std::byte> saved, const EngineState& state) {
+StepClock LoadState(std::span<const std::byte> saved, const EngineState& state) {
   const Header header = ReadHeader(saved);
   Reader reader(saved.first(saved.size() - sizeof(uint64_t)));
   reader.Bytes(sizeof header);
@@ -169,7 +169,7 @@ uint64_t LoadState(std::span<const std::byte> saved, const EngineState& state) {
     if (column.row_count == 0) continue;
     std::memcpy(column.column->data(), column.values.data(), column.values.size());
   }
-  return header.step_count;
+  return header.clock;
 }
 
 }  // namespace vesper

@@ -1,4 +1,4 @@
-// What lives in an engine and nowhere else, as bytes: the steps done, and what laws remember.
+// What lives in an engine and nowhere else, as bytes: the steps done and their time, and what laws remember.
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "scratch_column.hpp"
+#include "step_clock.hpp"
 
 namespace vesper {
 
@@ -19,7 +20,7 @@ struct NamedScratch {
 };
 
 struct EngineState {
-  uint64_t step_count;
+  StepClock clock;
   std::string prototype;
   std::vector<NamedScratch> scratch;
 };
@@ -28,9 +29,9 @@ struct EngineState {
 /// them.
 std::vector<std::byte> SaveState(const EngineState& state);
 
-/// Fills the columns of `state` with what was saved under their names, and returns the step count.
+/// Fills the columns of `state` with what was saved under their names, and returns the clock.
 /// Throws INVALID_ARGUMENT if `saved` is no saved state or a damaged one, ACCESS_CONFLICT if it is
 /// that of another prototype or of other laws; then nothing is changed.
-uint64_t LoadState(std::span<const std::byte> saved, const EngineState& state);
+StepClock LoadState(std::span<const std::byte> saved, const EngineState& state);
 
 }  // namespace vesper

@@ -125,13 +125,13 @@ void Schedule::RestoreScratch() {
   for (ScratchColumn* scratch : scratch_) scratch->Restore();
 }
 
-void Schedule::RunStep(double dt, uint64_t step_index) {
+void Schedule::RunStep(double dt, const StepClock& clock) {
   vesper_step step{};
   step.struct_size = sizeof step;
   step.stage_count = stage_count_;
   step.dt = dt;
-  step.time = static_cast<double>(step_index) * dt;
-  step.index = step_index;
+  step.time = clock.time();
+  step.index = clock.steps;
   if (ledger_ != nullptr) ledger_->BeginStep(dt);
   Run(VESPER_PHASE_INTEGRATE, step);
   for (step.stage = 1; step.stage <= stage_count_; ++step.stage) {

@@ -11,6 +11,7 @@
 #include "law_library.hpp"
 #include "ledger.hpp"
 #include "phase_laws.hpp"
+#include "step_clock.hpp"
 #include "thread_pool.hpp"
 
 namespace vesper {
@@ -38,7 +39,7 @@ class Schedule final : private LawCalls {
   void KeepScratch();
   void RestoreScratch();
   /// Runs all laws once around. Throws what is wrong, with library, law and stage.
-  void RunStep(double dt, uint64_t step_index);
+  void RunStep(double dt, const StepClock& clock);
 
  private:
   void Before(const ScheduledLaw& law, const vesper_step& step) override;

@@ -150,6 +150,34 @@ TEST_P(AdvanceTest, TimeStepMustBeFiniteAndPositive) {
   EXPECT_OK(engine.Advance(kDt, 1));
 }
 
+TEST_P(AdvanceTest, TimeIsMultipliedAndGoesOnWhenTheStepChanges) {
+  Bodies bodies(1);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("clock");
+  const auto time = [&] { return bodies.acceleration[0]; };
+  EXPECT_OK(engine.Advance(0.1, 1000));
+  EXPECT_EQ(time(), 999 * 0.1) << "not the sum of 999 roundings";
+  EXPECT_OK(engine.Advance(0.5, 1));
+  EXPECT_EQ(time(), 1000 * 0.1);
+  EXPECT_OK(engine.Advance(0.5, 4));
+  EXPECT_EQ(time(), 1000 * 0.1 + 4 * 0.5);
+  EXPECT_EQ(bodies.acceleration[2], 1004) << "steps before the last one";
+}
+
+TEST_P(AdvanceTest, FailedStepsTakeNoTime) {
+  Bodies bodies(1);
+  TestEngine engine(Options());
+  engine.AddBodies(bodies);
+  engine.Load("clock");
+  EXPECT_OK(engine.Advance(0.25, 2));
+  const vesper_library_id throwing = engine.Load("throwing");
+  EXPECT_REFUSED(LAW_FAILED, "law throwing", engine.Advance(7, 1));
+  EXPECT_OK(engine.Unload(throwing));
+  EXPECT_OK(engine.Advance(0.25, 1));
+  EXPECT_EQ(bodies.acceleration[0], 0.5);
+}
+
 TEST_P(AdvanceTest, CallsFromInsideAStepAreRefused) {
   // A log receiver is the one place from which a client could call back into its engine.
   struct Probe {

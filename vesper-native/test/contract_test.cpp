@@ -1,5 +1,6 @@
 // What bindings and laws rely on without recompiling: symbols, layouts, names, defaults.
 #include <cstdio>
+#include <map>
 #include <set>
 #include <sstream>
 
@@ -49,6 +50,36 @@ TEST(ContractTest, LayoutsAreFrozen) {
     text << " size " << entries[i].size << '\n';
   }
   EXPECT_EQ(text.str(), Golden("abi_layout.txt"));
+}
+
+TEST(ContractTest, FirstContractIsTheBeginningOfEveryStruct) {
+  uint32_t count = 0;
+  const vesper_layout_entry* entries = vesper_abi_layout(&count);
+  std::istringstream first(Golden("abi_layout_1.0.txt"));
+  std::map<std::string, uint32_t> sizes;
+  std::set<std::string> fields;
+  for (std::string line; std::getline(first, line);) {
+    const std::string name = line.substr(0, line.find(' '));
+    if (name.find('.') != std::string::npos) {
+      fields.insert(line);
+    } else {
+      sizes[name] = static_cast<uint32_t>(std::stoul(line.substr(line.rfind(' '))));
+    }
+  }
+  for (uint32_t i = 0; i < count; ++i) {
+    const vesper_layout_entry& entry = entries[i];
+    if (!sizes.contains(entry.struct_name)) continue;
+    if (entry.field == nullptr) {
+      EXPECT_GE(entry.size, sizes[entry.struct_name]) << entry.struct_name;
+      continue;
+    }
+    std::ostringstream line;
+    line << entry.struct_name << '.' << entry.field << " at " << entry.offset << " size "
+         << entry.size;
+    if (fields.erase(line.str()) == 1) continue;
+    EXPECT_GE(entry.offset, sizes[entry.struct_name]) << line.str() << " is not appended";
+  }
+  EXPECT_TRUE(fields.empty()) << *fields.begin() << " is gone";
 }
 
 TEST(ContractTest, LayoutTableIsWithoutGaps) {

@@ -193,9 +193,36 @@ TEST(LibraryTest, UnresolvedSymbolIsNamed) {
   EXPECT_EQ(std::string(error.message).find("/proc/self"), std::string::npos) << error.message;
 }
 
-TEST(LibraryTest, LibraryOfTheFirstContractIsTaken) {
-  TestEngine engine;
-  engine.Load("of_1_0");  // what follows its table is not read as fields
+TEST(LibraryTest, LibrariesOfOlderAndNewerMinorVersionsRun) {
+  for (const char* name : {"of_1_0", "of_1_9"}) {
+    Bodies bodies(2);
+    TestEngine engine({.validate = true});
+    engine.AddBodies(bodies);
+    const vesper_library_id id = engine.Load(name, {{"early.gain", 2}, {"late.gain", 5}});
+    EXPECT_OK(engine.Advance(1, 1));
+    EXPECT_EQ(bodies.velocity[3], 1 + 2 + 5) << name;
+    const vesper_law_info late = engine.LawInfo(id, 1);
+    EXPECT_STREQ(late.uses[1].name, "velocity") << name;
+  }
+}
+
+TEST(LibraryTest, NewerMinorVersionIsRefusedIfItAsksForWhatThereIsNot) {
+  EXPECT_REFUSED(ABI_MISMATCH,
+                 "laws uses a field that contract 1.1 does not have; it needs a newer engine",
+                 Prepare("of_1_9_asking"));
+}
+
+TEST(LibraryTest, WhatALibrarySaidWhenItWasMappedHolds) {
+  Bodies bodies(2);
+  TestEngine engine({.validate = true});
+  engine.AddBodies(bodies);
+  const vesper_library_id id = engine.Load("fickle");  // says otherwise from now on
+  EXPECT_OK(engine.Advance(1, 1));
+  const vesper_law_info info = engine.LawInfo(id);
+  EXPECT_EQ(info.phase, VESPER_PHASE_OBSERVE);
+  ASSERT_EQ(info.use_count, 1u);
+  EXPECT_STREQ(info.uses[0].name, "mass");
+  EXPECT_EQ(info.uses[0].access, VESPER_READ);
 }
 
 TEST(LibraryTest, BadTablesAreRefusedByRule) {

@@ -90,6 +90,26 @@ TEST_P(MisbehaviourTest, FailureToBindIsNoFault) {
   EXPECT_OK(engine->Advance(1, 1));
 }
 
+TEST_P(MisbehaviourTest, NaNInWhatLawsOnlyReadIsTheClients) {
+  Bodies given(3);
+  TestEngine fresh(Options());
+  fresh.AddBodies(given);
+  fresh.Load("euler");
+  given.mass[1] = NAN;
+  const vesper_error error = fresh.Advance(1, 1);
+  EXPECT_REFUSED(INVALID_ARGUMENT, "property mass, row 1: is nan, which law euler reads", error);
+  EXPECT_STREQ(error.property, "mass");
+  EXPECT_EQ(error.row, 1u);
+  EXPECT_EQ(error.library_id, VESPER_NO_LIBRARY);
+  EXPECT_EQ(error.law_index, VESPER_NO_LAW);
+  EXPECT_REFUSED(FAULTED, "a step failed", fresh.Advance(1, 1));
+  given.mass[1] = 2;
+  given.position.assign(9, 0);
+  given.velocity.assign(9, 0);
+  EXPECT_EQ(vesper_engine_clear_fault(fresh.get(), nullptr), VESPER_OK);
+  EXPECT_OK(fresh.Advance(1, 1));
+}
+
 TEST_P(MisbehaviourTest, FailedStepsAreVoidAndLeaveTheEngineFaulted) {
   AdvanceWith(Options(), WRITE_NAN);
   EXPECT_EQ(vesper_engine_step_count(engine->get()), 0u);

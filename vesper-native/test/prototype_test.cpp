@@ -179,7 +179,7 @@ TEST(PrototypeTest, DescriptorsOfANewerClientAreWalkedWithTheirOwnSize) {
   std::vector<Newer> newer;
   for (vesper_property_descriptor property : draft.properties) {
     property.struct_size = sizeof(Newer);
-    newer.push_back({property, ~uint64_t{0}});
+    newer.push_back({property, 0});
   }
   vesper_prototype prototype = draft.prototype;
   prototype.property_count = static_cast<uint32_t>(newer.size());
@@ -194,6 +194,11 @@ TEST(PrototypeTest, DescriptorsOfANewerClientAreWalkedWithTheirOwnSize) {
                                                   ends.data(), 1, nullptr, 1, nullptr),
             VESPER_OK);
   vesper_engine_destroy(engine);
+  newer[1].appended = 1;
+  EXPECT_REFUSED(ABI_MISMATCH, "prototype.properties uses a field that contract",
+                 Try([&](vesper_error* e) {
+                   return vesper_engine_create(&config, &prototype, &engine, e);
+                 }));
 }
 
 TEST(PrototypeTest, EngineKeepsItsOwnCopy) {

@@ -292,5 +292,33 @@ TEST_P(ProviderTest, TouchTouchesNothingIfOneNameIsUnbound) {
   EXPECT_EQ(Find(engine, "mass").version, before);
 }
 
+TEST(ProviderTest, MemoryThatLawsMayWriteIsSharedByNobody) {
+  Bodies bodies(4);
+  TestEngine engine;
+  std::vector<double> both(13);
+  const auto add = [&](const char* name, double* data) {
+    EXPECT_OK(Try([&](vesper_error* error) {
+      return vesper_provider_add_physical_property(engine.provider(), name, data, 4, nullptr, 4,
+                                                   error);
+    }));
+  };
+  add("position", both.data());  // 12 values
+  add("mass", both.data() + 9);
+  const vesper_error error = engine.Advance(1, 1);
+  EXPECT_REFUSED(ACCESS_CONFLICT, "properties position and mass share memory that laws may write",
+                 error);
+  EXPECT_STREQ(error.property, "mass");
+  EXPECT_OK(engine.Rebind("mass", bodies.mass, 1));
+  EXPECT_OK(engine.Advance(1, 1));
+}
+
+TEST(ProviderTest, MemoryThatLawsOnlyReadMayStandForSeveralProperties) {
+  std::vector<double> ones(4, 1);
+  TestEngine engine;
+  EXPECT_OK(engine.Add("mass", ones, 1));
+  EXPECT_OK(engine.Add("radius", ones, 1));
+  EXPECT_OK(engine.Advance(1, 1));
+}
+
 }  // namespace
 }  // namespace vesper::test

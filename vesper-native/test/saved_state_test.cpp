@@ -55,6 +55,19 @@ TEST_P(SavedStateTest, AnotherEngineGoesOnFromIt) {
   EXPECT_EQ(Save(second.engine), Save(first.engine));
 }
 
+TEST_P(SavedStateTest, TimeGoesOnThoughTheStepHadChanged) {
+  Bodies bodies(1);
+  TestEngine first(Options()), second(Options());
+  EXPECT_OK(first.Advance(0.5, 3));
+  EXPECT_OK(first.Advance(0.25, 2));
+  EXPECT_OK(Load(second, Save(first)));
+  second.AddBodies(bodies);
+  second.Load("clock");
+  EXPECT_OK(second.Advance(0.25, 2));
+  EXPECT_EQ(bodies.acceleration[0], 2.25);
+  EXPECT_EQ(bodies.acceleration[2], 6);
+}
+
 TEST_P(SavedStateTest, TurnsAnEngineBack) {
   Remembering world(Options(), 2);
   const Bytes state = Save(world.engine);
@@ -123,7 +136,7 @@ TEST_P(SavedStateTest, OfAnotherVersionIsRefusedByNumber) {
   Remembering world(Options(), 1);
   Bytes state = Save(world.engine);
   state[8] = 7;
-  EXPECT_REFUSED(INVALID_ARGUMENT, "version is 7, expected 1", Load(world.engine, state));
+  EXPECT_REFUSED(INVALID_ARGUMENT, "version is 7, expected 2", Load(world.engine, state));
 }
 
 TEST_P(SavedStateTest, RoomMustBeAsLargeAsSaid) {

@@ -157,6 +157,9 @@ VESPER_API void vesper_prototype_free(vesper_prototype* prototype) VESPER_NOEXCE
 VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
                                            vesper_error* error) VESPER_NOEXCEPT;
 
+/** Fills the struct as the engine's own headers have it, with defaults. A client that may meet a
+ *  newer engine than it was built for zeroes its struct instead, and sets `struct_size`, `threads`
+ *  and `probe_timeout_ms` itself. */
 VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
 VESPER_API vesper_status vesper_engine_create(const vesper_engine_config* config,
                                               const vesper_prototype* prototype,
@@ -240,9 +243,16 @@ VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
                                                 vesper_law_info* out,
                                                 vesper_error* error) VESPER_NOEXCEPT;
 
-/** Applies all laws for `steps` steps of `dt` [time unit]: all steps count, or none. On failure
- *  the engine is FAULTED, its time has not moved, and written arrays are undefined: restore them
- *  and call `vesper_engine_clear_fault`, or unload the library named in `error`. */
+/** Applies all laws for `steps` steps of `dt` [time unit]: all steps count, or none. If a step
+ *  fails, the engine is FAULTED, its time has not moved, and written arrays are undefined: restore
+ *  them and call `vesper_engine_clear_fault`, or unload the library named in `error`. NaN or infinity
+ *  is told from where it came: LAW_MISBEHAVED if a law wrote it, INVALID_ARGUMENT with property and
+ *  row, and no library, if a law only read it.
+ *  What is wrong before the first step is no fault: nothing was written, and another call is right as
+ *  soon as the reason is gone. That is a bad `dt`, arrays that disagree on their rows
+ *  (COUNT_MISMATCH) or share memory that laws may write (ACCESS_CONFLICT), a reference out of range
+ *  (INVALID_ARGUMENT), a property that a law needs and nobody bound (NOT_FOUND), a law that refuses
+ *  its arrays (LAW_FAILED), a provider of the client's that fails. */
 VESPER_API vesper_status vesper_engine_advance(vesper_engine* engine, double dt, uint32_t steps,
                                                vesper_error* error) VESPER_NOEXCEPT;
 VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
@@ -262,7 +272,7 @@ VESPER_API vesper_status vesper_engine_synchronize(vesper_engine* engine, const 
 VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
                                                 uint64_t from, uint64_t to,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** What lives in the engine and in no array of the client: the step count, and what laws keep in
+/** What lives in the engine and in no array of the client: step count and time, and what laws keep in
  *  SCRATCH. Together with the arrays it continues a run to the bit, in this process or another of
  *  this machine's kind. `out`: bytes that save writes at present. */
 VESPER_API vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,

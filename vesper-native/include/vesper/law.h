@@ -58,7 +58,8 @@ typedef struct vesper_step {
   uint32_t stage_count; /**< Force evaluations in this step. */
   uint32_t reserved;
   double dt;      /**< [time unit of the prototype], > 0. */
-  double time;    /**< At the beginning of the step: index * dt. */
+  double time;    /**< At the beginning of the step: the sum of all dt before it. Multiplied, not
+                       added up, while dt stays the same: index * dt if it always did. */
   uint64_t index; /**< Steps done before this one. */
 } vesper_step;
 
@@ -184,7 +185,9 @@ typedef struct vesper_law_library {
   const vesper_field_desc* fields;
 } vesper_law_library;
 
-/** The one exported symbol of a law library. */
+/** The one exported symbol of a law library. The engine calls it once for each copy of the library
+ *  that it maps, and copies the tables then: what it would answer, or the tables would say, at
+ *  another time does not count. What they point to, names and functions, stays as it is. */
 #define VESPER_LAW_LIBRARY_ENTRY "vesper_law_library_entry"
 #if defined(__GNUC__)
 #define VESPER_LAW_EXPORT __attribute__((visibility("default")))

@@ -45,6 +45,10 @@
 #ifndef VESPER_LAW_HPP_
 #define VESPER_LAW_HPP_
 
+#ifdef __FAST_MATH__
+#error "laws are built without -ffast-math: it drops NaN and gives other bits on every machine"
+#endif
+
 #include <array>
 #include <cmath>
 #include <concepts>
@@ -334,7 +338,7 @@ class Step {
   const uint32_t stage_count;
   /** Length of the step [time unit of the prototype], > 0. */
   const double dt;
-  /** Time at the beginning of the step: index * dt. */
+  /** Time at the beginning of the step: index * dt if dt never changed. */
   const double time;
   /** Steps done before this one. */
   const uint64_t index;

@@ -2,9 +2,15 @@
  *
  * The C layer is the contract: fixed-width integers, no enum types, no bools and no bit fields in
  * structs. Every struct that crosses the boundary begins with `struct_size`, set by whoever fills
- * the struct, so that fields can be appended without breaking anybody; `vesper_error` and
- * `vesper_unit` are frozen instead. Arrays of such structs are walked with the `struct_size` of
- * their first element as stride. Fields named `reserved` are zero.
+ * the struct, and fields are only appended, in minor versions. Nobody reads or writes beyond the
+ * `struct_size` of the other side: a field that is not there is zero. A field that the engine does
+ * not know must be zero (ABI_MISMATCH), so that a law or client built for a later minor version
+ * works as long as it asks for nothing new. Arrays of such structs are walked with the
+ * `struct_size` of their first element as stride. Fields named `reserved` are zero.
+ *
+ * Frozen within a major version: `vesper_error`, `vesper_unit` and `vesper_layout_entry`, which do
+ * not say their size; `vesper_property`, of which laws get arrays; and `vesper_field`, which is part of
+ * other structs.
  */
 #ifndef VESPER_TYPES_H_
 #define VESPER_TYPES_H_
@@ -15,7 +21,7 @@
 extern "C" {
 #endif
 
-/** Version of this contract: laws and engine must share it (see `vesper_law_library`). */
+/** Version of this contract: laws and engine must share the major one (see `vesper_law_library`). */
 #define VESPER_ABI_MAJOR 1u
 #define VESPER_ABI_MINOR 1u
 #define VESPER_ABI_VERSION ((VESPER_ABI_MAJOR << 16) | VESPER_ABI_MINOR)
@@ -27,7 +33,7 @@ typedef int32_t vesper_status;
 #define VESPER_NOT_FOUND 2            /**< No property, law, library or prototype of that name. */
 #define VESPER_ALREADY_EXISTS 3       /**< The name is taken. */
 #define VESPER_BUSY 4                 /**< The engine is inside `advance`. */
-#define VESPER_ABI_MISMATCH 5         /**< A library was built for another contract version. */
+#define VESPER_ABI_MISMATCH 5         /**< Built for another contract, or asks for more than this one. */
 #define VESPER_TYPE_MISMATCH 6        /**< Scalar type or number of components differ. */
 #define VESPER_UNIT_MISMATCH 7        /**< Units differ in dimension, or no real type. */
 #define VESPER_COUNT_MISMATCH 8       /**< Properties of one kind have different row counts. */

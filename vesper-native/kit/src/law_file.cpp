@@ -60,6 +60,11 @@ LawFile::LawFile(const std::string& path)
   if (entry == nullptr) throw std::runtime_error(dlerror());
   table_ = reinterpret_cast<decltype(&vesper_law_library_entry)>(entry)();
   if (table_ == nullptr) throw std::runtime_error(path + ": the entry returned null");
+  if (table_->abi_version != VESPER_ABI_VERSION) {
+    throw std::runtime_error(path + ": built for another version of the contract than " +
+                             std::to_string(VESPER_ABI_MAJOR) + "." +
+                             std::to_string(VESPER_ABI_MINOR) + "; build it anew to test it");
+  }
 }
 
 std::string LawFile::NameOf(const std::string& path) {
@@ -77,7 +82,6 @@ std::vector<const vesper_law_desc*> LawFile::Laws(vesper_scalar_type real_type) 
 }
 
 std::span<const vesper_field_desc> LawFile::Fields() const {
-  if (table_->struct_size < sizeof *table_) return {};  // of contract 1.0
   return {table_->fields, table_->field_count};
 }
 

@@ -2,8 +2,6 @@
 #define USE_COUNT 2
 #include "test_law.h"
 
-#include <stddef.h>
-
 #define NO_NAME 1
 #define DUPLICATE_LAW 2
 #define UNKNOWN_PHASE 3
@@ -21,7 +19,6 @@
 #define FIELD_WITHOUT_FUNCTION 15
 #define DEFERRED_WITHOUT_SYNCHRONIZE 16
 #define WEIGHTS_OF_NOTHING 17
-#define NO_DEFECT_BUT_OF_CONTRACT_1_0 18
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)law;
@@ -69,11 +66,6 @@ const vesper_law_library* vesper_law_library_entry(void) {
     case FIELD_WITHOUT_FUNCTION:
       library.field_count = 1;
       library.fields = fields;
-      break;
-    case NO_DEFECT_BUT_OF_CONTRACT_1_0: /* it ends where 1.0 ended: what follows is not its own */
-      library.abi_version = 1u << 16;
-      library.struct_size = offsetof(vesper_law_library, field_count);
-      library.field_count = 1;
       break;
     case DEFERRED_WITHOUT_SYNCHRONIZE: uses[1].flags = VESPER_USE_DEFERRED; break;
     case WEIGHTS_OF_NOTHING:
