@@ -61,6 +61,13 @@ public interface PhysicsEngine extends AutoCloseable {
     /** Makes a faulted engine ready again; the client has restored the arrays. */
     void clearFault();
 
+    /**
+     * Says that the client moves row {@code from} of a kind to row {@code to <= from}, whose own
+     * item is gone: what laws remember of the item goes along, and row {@code from} is as new.
+     * {@code from == to}: the item of that row is gone.
+     */
+    void moveRow(String kind, long from, long to);
+
     /** Steps done since the engine was made. */
     long stepCount();
 

@@ -18,13 +18,16 @@ import reve.pe.ScalarType;
 /** A world's columns in the hands of an engine. World's thread only. */
 final class LentWorld {
     private final World world;
+    private final PhysicsEngine engine;
     private final PhysicalPropertyProvider provider;
     /** Columns first: they need no other to be right, and the engine must let go of old memory. */
     private final LentProperty[] properties;
+    private final List<LentRows> rows;
     private long lentLayout = -1;
 
     LentWorld(World world, PhysicsEngine engine, ColumnArena arena) {
         this.world = world;
+        this.engine = engine;
         this.provider = engine.propertyProvider();
         List<LentProperty> inPlace = new ArrayList<>();
         List<LentProperty> references = new ArrayList<>();
@@ -44,6 +47,7 @@ final class LentWorld {
         }
         inPlace.addAll(references);
         properties = inPlace.toArray(LentProperty[]::new);
+        rows = inPlace.stream().map(LentProperty::table).distinct().map(LentRows::new).toList();
     }
 
     /**
@@ -53,6 +57,7 @@ final class LentWorld {
      */
     void update() {
         if (world.layoutVersion() != lentLayout) {
+            rows.forEach(table -> table.follow(engine));
             for (LentProperty property : properties) {
                 property.lend(provider);
             }

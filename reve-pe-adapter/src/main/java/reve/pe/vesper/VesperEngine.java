@@ -171,6 +171,15 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     @Override
+    public void moveRow(String kind, long from, long to) {
+        checkOpen();
+        try (Arena call = Arena.ofConfined()) {
+            errors.check(VesperLibrary.engineMoveRow(engine, VesperStrings.write(call, kind), from,
+                to, errors.segment()));
+        }
+    }
+
+    @Override
     public long stepCount() {
         checkOpen();
         return VesperLibrary.engineStepCount(engine);

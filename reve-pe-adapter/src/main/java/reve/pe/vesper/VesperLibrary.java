@@ -65,6 +65,8 @@ final class VesperLibrary {
         ADDRESS, JAVA_DOUBLE, JAVA_INT, ADDRESS);
     private static final MethodHandle CLEAR_FAULT =
         function("vesper_engine_clear_fault", JAVA_INT, ADDRESS, ADDRESS);
+    private static final MethodHandle MOVE_ROW = function("vesper_engine_move_row", JAVA_INT,
+        ADDRESS, ADDRESS, JAVA_LONG, JAVA_LONG, ADDRESS);
     private static final MethodHandle STEP_COUNT =
         function("vesper_engine_step_count", JAVA_LONG, ADDRESS);
     private static final MethodHandle STATE_HASH =
@@ -257,6 +259,15 @@ final class VesperLibrary {
     static int engineClearFault(MemorySegment engine, MemorySegment error) {
         try {
             return (int) CLEAR_FAULT.invokeExact(engine, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineMoveRow(MemorySegment engine, MemorySegment kind, long from, long to,
+                             MemorySegment error) {
+        try {
+            return (int) MOVE_ROW.invokeExact(engine, kind, from, to, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

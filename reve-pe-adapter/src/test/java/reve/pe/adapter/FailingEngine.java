@@ -81,6 +81,11 @@ final class FailingEngine implements PhysicsEngine {
     }
 
     @Override
+    public void moveRow(String kind, long from, long to) {
+        engine.moveRow(kind, from, to);
+    }
+
+    @Override
     public long stepCount() {
         return engine.stepCount();
     }

@@ -11,6 +11,7 @@ import java.nio.ByteOrder;
 import java.nio.channels.FileChannel;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
+import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -23,6 +24,7 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.WorldPrototype;
+import reve.pe.Access;
 import reve.pe.PhysicsLaw;
 import reve.pe.SpringOrbit;
 
@@ -71,6 +73,38 @@ class PhysicsAdapterNativeTest {
             world.run(1);
             assertThat(world.velocity("stone")[0]).isCloseTo(0.5 / 60, offset(1e-15));
         }
+    }
+
+    /** 4 steps a frame; nothing moves the bodies. */
+    @Test
+    void whatLawsRememberOfAnItemStaysWithItWhenOthersComeAndGo() {
+        try (AdapterFixture world = new AdapterFixture().load("counts_years")) {
+            for (String name : List.of("a", "b", "c", "d")) {
+                world.world.add(AdapterFixture.body(name, 1, 0, 0, 0, 0, 0, 0));
+                world.run(1);
+            }
+            assertThat(ages(world, "a", "b", "c", "d")).containsExactly(16.0, 12.0, 8.0, 4.0);
+            assertThat(world.adapter.laws().loaded().getFirst().uses().getFirst().access())
+                .containsExactly(Access.SCRATCH);
+            remove(world, "a"); // d takes its row
+            remove(world, "b"); // c takes its row
+            world.world.add(AdapterFixture.body("e", 1, 0, 0, 0, 0, 0, 0)); // where c was
+            world.run(1);
+            assertThat(ages(world, "c", "d", "e")).containsExactly(12.0, 8.0, 4.0);
+            remove(world, "d");
+            remove(world, "e");
+            world.world.add(AdapterFixture.body("f", 1, 0, 0, 0, 0, 0, 0));
+            world.run(1);
+            assertThat(ages(world, "c", "f")).containsExactly(16.0, 4.0);
+        }
+    }
+
+    private static void remove(AdapterFixture world, String item) {
+        world.world.remove(world.world.find(item).orElseThrow().id());
+    }
+
+    private static List<Double> ages(AdapterFixture world, String... items) {
+        return Arrays.stream(items).map(item -> world.velocity(item)[0]).toList();
     }
 
     @Test

@@ -1,0 +1,29 @@
+/* Remembers how many steps each body has seen, and shows it as its speed along X. */
+#include "test_law.h"
+
+static const vesper_property_use kUses[] = {
+    TEST_USE("age", 1, VESPER_SCRATCH, VESPER_UNIT_ONE),
+    TEST_USE("velocity", 3, VESPER_READ_WRITE, VESPER_UNIT_METRE_PER_SECOND)};
+TEST_BIND(kUses)
+
+static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_error* error) {
+  (void)step, (void)error;
+  double* age = law->properties[0].data;
+  double* velocity = law->properties[1].data;
+  for (uint64_t i = 0; i < law->properties[0].row_count; ++i) velocity[3 * i] = ++age[i];
+  return VESPER_OK;
+}
+
+static const vesper_law_desc kLaw = {.struct_size = sizeof kLaw,
+                                     .real_type = VESPER_F64,
+                                     .name = "counts_years",
+                                     .version = "1.0.0",
+                                     .doc = "Steps that a body has seen.",
+                                     .phase = VESPER_PHASE_OBSERVE,
+                                     .use_count = TEST_USE_COUNT(kUses),
+                                     .uses = kUses,
+                                     .create = TestLawCreate,
+                                     .bind = Bind,
+                                     .advance = Advance,
+                                     .destroy = TestLawDestroy};
+TEST_LIBRARY("counts_years", VESPER_ABI_VERSION, kLaw)
