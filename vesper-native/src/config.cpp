@@ -2,6 +2,9 @@
 
 #include <dlfcn.h>
 
+#include <algorithm>
+#include <cstring>
+
 #include "failure.hpp"
 #include "versioned_struct.hpp"
 
@@ -51,10 +54,16 @@ Config::Config(const vesper_engine_config* given) {
 
 }  // namespace vesper
 
-void vesper_engine_config_init(vesper_engine_config* config) noexcept {
+void vesper_engine_config_init_sized(vesper_engine_config* config, uint64_t size) noexcept {
   if (config == nullptr) return;
-  *config = {};
-  config->struct_size = sizeof *config;
-  config->threads = 1;
-  config->probe_timeout_ms = vesper::kDefaultProbeTimeoutMs;
+  vesper_engine_config defaults{};
+  defaults.struct_size = static_cast<uint32_t>(size);
+  defaults.threads = 1;
+  defaults.probe_timeout_ms = vesper::kDefaultProbeTimeoutMs;
+  std::memset(config, 0, size);
+  std::memcpy(config, &defaults, std::min<size_t>(size, sizeof defaults));
+}
+
+void(vesper_engine_config_init)(vesper_engine_config* config) noexcept {
+  vesper_engine_config_init_sized(config, vesper::kFirstSize<vesper_engine_config>);
 }

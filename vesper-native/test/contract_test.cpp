@@ -1,5 +1,6 @@
 // What bindings and laws rely on without recompiling: symbols, layouts, names, defaults.
 #include <cstdio>
+#include <cstring>
 #include <map>
 #include <set>
 #include <sstream>
@@ -129,6 +130,22 @@ TEST(ContractTest, ConfigStartsWithDefaults) {
   EXPECT_EQ(config.deferred, 0u);
   EXPECT_EQ(config.probe_timeout_ms, 5000u);
   EXPECT_EQ(config.law_path, nullptr);
+}
+
+TEST(ContractTest, ConfigOfAClientBuiltFor1_0IsItsOwnBytesOnly) {
+  constexpr size_t kSizeIn1_0 = 48;
+  alignas(8) unsigned char memory[sizeof(vesper_engine_config)];
+  std::memset(memory, 0xff, sizeof memory);
+  auto* config = reinterpret_cast<vesper_engine_config*>(memory);
+  (vesper_engine_config_init)(config);
+  EXPECT_EQ(config->struct_size, kSizeIn1_0);
+  EXPECT_EQ(config->threads, 1u);
+  for (size_t i = kSizeIn1_0; i < sizeof memory; ++i) EXPECT_EQ(memory[i], 0xff) << i;
+  vesper_engine* engine = nullptr;  // `deferred` would be 0xffffffff, were it read
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_create(config, vesper_prototype_standard("si-f64"), &engine, error);
+  }));
+  vesper_engine_destroy(engine);
 }
 
 vesper_error Create(const vesper_engine_config* config, const vesper_prototype* prototype,

@@ -157,10 +157,14 @@ VESPER_API void vesper_prototype_free(vesper_prototype* prototype) VESPER_NOEXCE
 VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
                                            vesper_error* error) VESPER_NOEXCEPT;
 
-/** Fills the struct as the engine's own headers have it, with defaults. A client that may meet a
- *  newer engine than it was built for zeroes its struct instead, and sets `struct_size`, `threads`
- *  and `probe_timeout_ms` itself. */
+/** Fills the first `size` bytes, sizeof *config as the client was built, with defaults. Since 1.1. */
+VESPER_API void vesper_engine_config_init_sized(vesper_engine_config* config,
+                                                uint64_t size) VESPER_NOEXCEPT;
+/** The same as a function without `size`, as clients built for 1.0 call it: it fills their 48 bytes
+ *  and no more. In source, `vesper_engine_config_init(&config)` is the macro, which knows the size. */
 VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
+#define vesper_engine_config_init(config) \
+  vesper_engine_config_init_sized((config), sizeof(*(config)))
 VESPER_API vesper_status vesper_engine_create(const vesper_engine_config* config,
                                               const vesper_prototype* prototype,
                                               vesper_engine** out,

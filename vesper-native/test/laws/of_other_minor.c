@@ -38,12 +38,13 @@ static void Fill(uint64_t* library_memory) {
   const vesper_law_library library = {sizeof library, (1u << 16) | MINOR, NAME, 2, 0, (void*)laws,
                                       NULL, NULL, 0, 0, NULL};
   const uint32_t law_size = SIZE(vesper_law_desc, 112);
+  memset(laws, 0xff, sizeof laws); /* what follows a table is not its own */
   for (int i = 0; i < 2; ++i) {
     Put(uses, i, &use[i], sizeof *use, SIZE(vesper_property_use, 72));
     Put(laws, i, &law[i], sizeof *law, law_size);
   }
   Put(parameters, 0, &parameter, sizeof parameter, SIZE(vesper_parameter_desc, 80));
-  memset(library_memory, 0xff, LARGEST * sizeof *library_memory); /* what follows is not its own */
+  memset(library_memory, 0xff, LARGEST * sizeof *library_memory);
   Put(library_memory, 0, &library, sizeof library, SIZE(vesper_law_library, 48));
   if (ASKS) ((char*)laws)[law_size - 1] = 1;
 }

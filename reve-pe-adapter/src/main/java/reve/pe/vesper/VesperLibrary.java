@@ -30,7 +30,7 @@ final class VesperLibrary {
     private static final MethodHandle PROTOTYPE_STANDARD =
         function("vesper_prototype_standard", ADDRESS, ADDRESS);
     private static final MethodHandle CONFIG_INIT =
-        procedure("vesper_engine_config_init", ADDRESS);
+        procedure("vesper_engine_config_init_sized", ADDRESS, JAVA_LONG);
     private static final MethodHandle ENGINE_CREATE = function("vesper_engine_create", JAVA_INT,
         ADDRESS, ADDRESS, ADDRESS, ADDRESS);
     private static final MethodHandle ENGINE_DESTROY =
@@ -113,7 +113,7 @@ final class VesperLibrary {
 
     static void engineConfigInit(MemorySegment config) {
         try {
-            CONFIG_INIT.invokeExact(config);
+            CONFIG_INIT.invokeExact(config, config.byteSize());
         } catch (Throwable t) {
             throw rethrown(t);
         }
