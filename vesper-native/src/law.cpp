@@ -37,18 +37,22 @@ void Law::Bind(const std::vector<vesper_property>& properties) {
   });
 }
 
-void Law::Advance(const vesper_step& step) {
-  ++calls_;
+template <class Call>
+void Law::Timed(Call&& call) {
   const auto start = std::chrono::steady_clock::now();
-  CallForeign(label_, [&](vesper_error* error) { return desc_.advance(law_, &step, error); });
+  CallForeign(label_, call);
   const auto spent = std::chrono::steady_clock::now() - start;
   nanoseconds_ += static_cast<uint64_t>(
       std::chrono::duration_cast<std::chrono::nanoseconds>(spent).count());
 }
 
+void Law::Advance(const vesper_step& step) {
+  ++calls_;
+  Timed([&](vesper_error* error) { return desc_.advance(law_, &step, error); });
+}
+
 void Law::Synchronize(uint32_t use) {
-  CallForeign(label_,
-              [&](vesper_error* error) { return desc_.synchronize(law_, use, error); });
+  Timed([&](vesper_error* error) { return desc_.synchronize(law_, use, error); });
 }
 
 double Law::PotentialEnergy() {

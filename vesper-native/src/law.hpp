@@ -35,6 +35,10 @@ class Law {
   uint64_t nanoseconds() const { return nanoseconds_; }
 
  private:
+  /// Makes a call whose time is counted.
+  template <class Call>
+  void Timed(Call&& call);
+
   const vesper_law_desc& desc_;
   std::string label_;
   std::vector<bool> deferred_;  // by use

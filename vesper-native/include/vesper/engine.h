@@ -96,8 +96,8 @@ typedef struct vesper_law_info {
   const vesper_property_use* uses;
   const vesper_parameter_desc* parameters;
   uint64_t calls;       /**< Of its `advance`, since it was loaded. */
-  uint64_t nanoseconds; /**< Spent in these calls, wall clock, that of laws at the same time counted
-                             for each; for people, never for the world. */
+  uint64_t nanoseconds; /**< Spent in these calls and in `synchronize`, wall clock, that of laws at
+                             the same time counted for each; for people, never for the world. */
 } vesper_law_info;
 
 /** One line of the ledger, since it was switched on; see docs/ledger.md. In SI units, whatever the
