@@ -395,6 +395,7 @@ void vesper_engine::Bind() {
 void vesper_engine::BindFresh() {
   Bind();
   FaultIfFails([&] { schedule_.deferred().SynchronizeAll(); });
+  schedule_.BindDeferring();
 }
 
 void vesper_engine::RefuseIfFaulted() const {

@@ -79,7 +79,7 @@ struct vesper_engine {
   void Plan();
   /// Hands the present columns to all laws. Throws FAULTED if what they hold is undefined.
   void Bind();
-  /// The same, with nothing deferred left over.
+  /// The same, with nothing deferred left over, and all laws up to date with the arrays.
   void BindFresh();
   void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
   void CheckConflicts(const vesper::LawLibrary& added) const;

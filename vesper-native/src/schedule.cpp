@@ -68,6 +68,15 @@ void Schedule::Bind() {
   bound_generation_ = columns_.generation();
 }
 
+void Schedule::BindDeferring() {
+  if (deferred_.none()) return;
+  for (const PhaseLaws& phase : phases_) {
+    for (const ScheduledLaw& scheduled : phase.laws()) {
+      if (scheduled.law->Defers()) scheduled.OnBehalf(0, [&] { BindLaw(*scheduled.law); });
+    }
+  }
+}
+
 void Schedule::BindLaw(LoadedLaw& law) {
   targets_.clear();
   for (MatchedUse& matched : law.uses) targets_.push_back(Target(law, matched));

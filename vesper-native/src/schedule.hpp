@@ -29,6 +29,8 @@ class Schedule final : private LawCalls {
   /// Hands the present columns to all laws whose arrays changed. Throws NOT_FOUND if one is
   /// missing, or what a law answers. Columns are fresh.
   void Bind();
+  /// Lets the laws that defer see what was written since their last call. Columns are fresh.
+  void BindDeferring();
   /// Whether Bind has anything to do.
   bool IsBound() const { return bound_generation_ == columns_.generation(); }
   /// Arrays that laws left stale.

@@ -95,6 +95,23 @@ TEST_P(DeferredTest, AdvanceLeavesArraysFreshUnlessTheClientAsksForMore) {
             2);
 }
 
+TEST_P(DeferredTest, PotentialEnergyIsThatOfTheArraysWhoeverWroteThem) {
+  Scene run({"vault_pull", "no_vault_move"}, Plain());
+  const auto expect_present = [&run] {
+    double energy = 0, expected = 0;
+    EXPECT_OK(Try([&](vesper_error* error) {
+      return vesper_engine_potential_energy(run.engine.get(), run.ids[0], 0, &energy, error);
+    }));
+    for (const double x : run.bodies.position) expected += x * x;  // stiffness 2
+    EXPECT_DOUBLE_EQ(energy, expected);
+  };
+  expect_present();
+  EXPECT_OK(run.engine.Advance(kDt, 2));  // moved by a law that does not defer
+  expect_present();
+  run.bodies.position[3] += 5;  // by the client, who tells nobody
+  expect_present();
+}
+
 TEST_P(DeferredTest, ArraysStayStaleUntilTheClientAsksForThem) {
   Scene twin({"no_vault"}, Plain());
   EXPECT_OK(twin.engine.Advance(kDt, 4));

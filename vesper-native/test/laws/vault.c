@@ -81,6 +81,16 @@ static vesper_status Pull(vesper_law* law, const vesper_step* step, vesper_error
   return VESPER_OK;
 }
 
+static vesper_status Energy(vesper_law* law, double* out, vesper_error* error) {
+  (void)error;
+  const double* position = Values(law, 1);
+  *out = 0;
+  for (uint64_t i = 0; i < 3 * law->bound[1].row_count; ++i) {
+    *out += law->parameters[kStiffness] / 2 * position[i] * position[i];
+  }
+  return VESPER_OK;
+}
+
 static vesper_status Move(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)error;
   if (step->stage == 0) return VESPER_OK;
@@ -126,13 +136,13 @@ static const vesper_parameter_desc kParameters[] = {
     PARAMETER("cheat", VESPER_UNIT_ONE, 0, 0, 1),
     PARAMETER("skip", VESPER_UNIT_ONE, 0, 0, 1),
     PARAMETER("spoil", VESPER_UNIT_ONE, 0, 0, 1)};
-#define VAULT_LAW(name, phase, stages, uses, act)                                             \
+#define VAULT_LAW(name, phase, stages, uses, act, energy)                                     \
   {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "Keeps copies.", phase, stages,        \
-   USE_COUNT, PARAMETER_COUNT, uses, kParameters, 0, 0, Create, BindCopies, act, Destroy, NULL, \
-   Synchronize, NULL}
+   USE_COUNT, PARAMETER_COUNT, uses, kParameters, 0, 0, Create, BindCopies, act, Destroy,       \
+   energy, Synchronize, NULL}
 static const vesper_law_desc kBoth[] = {
-    VAULT_LAW("pull", VESPER_PHASE_FORCE, 0, kPullUses, Pull),
-    VAULT_LAW("move", VESPER_PHASE_INTEGRATE, 1, kMoveUses, Move)};
+    VAULT_LAW("pull", VESPER_PHASE_FORCE, 0, kPullUses, Pull, Energy),
+    VAULT_LAW("move", VESPER_PHASE_INTEGRATE, 1, kMoveUses, Move, NULL)};
 
 const vesper_law_library* vesper_law_library_entry(void) {
   static const vesper_law_library library = {
