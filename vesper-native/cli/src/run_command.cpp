@@ -61,6 +61,7 @@ class SceneRun {
         engine_(*scene_.prototype, {.threads = options.threads,
                                     .validate = options.validate,
                                     .law_path = Join(options.law_folders, ':'),
+                                    .deferred = true,
                                     .log = [](uint32_t, const char* line) {
                                       std::cerr << "vesper: " << line << "\n";
                                     }}) {
@@ -145,9 +146,16 @@ class SceneRun {
     return static_cast<double>(frame * scene_.steps) * scene_.dt;
   }
 
+  /// Of what laws keep on devices, only what is written comes back.
   void Write(uint64_t frame) {
-    if (csv_) csv_->WriteFrame(frame, Time(frame));
+    if (csv_) {
+      std::vector<const char*> names;
+      for (const AnyColumn* column : CsvColumns()) names.push_back(column->descriptor().name);
+      engine_.Synchronize(names);
+      csv_->WriteFrame(frame, Time(frame));
+    }
     if (!pictures_) return;
+    engine_.Synchronize();
     pictures_->WriteFrame(frame);
     ++picture_count_;
     if (isatty(STDERR_FILENO) != 0) {

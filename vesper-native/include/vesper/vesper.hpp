@@ -435,11 +435,14 @@ class PhysicsEngine {
   }
   /** Makes these arrays fresh before the client reads or edits them; needed only where
    *  EngineConfig::deferred is set. See vesper_engine_synchronize. */
-  void Synchronize(std::initializer_list<const char*> names) {
+  void Synchronize(std::span<const char* const> names) {
     vesper_error error{};
     const vesper_status status = vesper_engine_synchronize(
-        engine_.get(), names.begin(), static_cast<uint32_t>(names.size()), &error);
+        engine_.get(), names.data(), static_cast<uint32_t>(names.size()), &error);
     if (status != VESPER_OK) throw Error(error, LawName(error));
+  }
+  void Synchronize(std::initializer_list<const char*> names) {
+    Synchronize(std::span(names.begin(), names.size()));
   }
   /** Makes all arrays fresh. */
   void Synchronize() {
