@@ -15,6 +15,8 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
+#include "all_pairs/fused-inl.hpp"
+
 HWY_BEFORE_NAMESPACE();
 namespace vesper {
 namespace HWY_NAMESPACE {
@@ -23,22 +25,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Rows of a group share what is loaded of the columns.
 constexpr uint64_t kGroup = 4;
-
-/// a * b + c with one rounding, whatever the processor has.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V Fused(D d, V a, V b, V c) {
-#if HWY_NATIVE_FMA
-  (void)d;
-  return hn::MulAdd(a, b, c);
-#else
-  HWY_ALIGN hn::TFromD<D> x[hn::MaxLanes(d)], y[hn::MaxLanes(d)], z[hn::MaxLanes(d)];
-  hn::Store(a, d, x);
-  hn::Store(b, d, y);
-  hn::Store(c, d, z);
-  for (size_t i = 0; i < hn::MaxLanes(d); ++i) z[i] = std::fma(x[i], y[i], z[i]);
-  return hn::Load(d, z);
-#endif
-}
 
 /// c - a * b with one rounding.
 template <class D, class V = hn::Vec<D>>

@@ -5,31 +5,15 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include <cmath>
-
+#include "all_pairs/fused-inl.hpp"
+#include "all_pairs/pair_sums.hpp"
 #include "interactions.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace vesper::barnes_hut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
-
-/// a * b + c, rounded once, on every processor.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V FusedMulAdd(D d, V a, V b, V c) {
-#if HWY_NATIVE_FMA
-  (void)d;
-  return hn::MulAdd(a, b, c);
-#else
-  using Real = hn::TFromD<D>;
-  HWY_ALIGN Real x[HWY_LANES(Real)], y[HWY_LANES(Real)], z[HWY_LANES(Real)];
-  hn::Store(a, d, x);
-  hn::Store(b, d, y);
-  hn::Store(c, d, z);
-  for (size_t i = 0; i < hn::Lanes(d); ++i) z[i] = std::fma(x[i], y[i], z[i]);
-  return hn::Load(d, z);
-#endif
-}
+using vesper::HWY_NAMESPACE::Fused;
 
 /// A vector of targets, held in registers while all sources pass by.
 template <class D>
@@ -62,9 +46,9 @@ class Block {
     const V dz = hn::Sub(hn::Set(d, source.position.z), z_);
     const V square = Square(dx, dy, dz, softening2);
     const V w = hn::Div(hn::Set(d, source.mass), hn::Mul(square, hn::Sqrt(square)));
-    ax_ = FusedMulAdd(d, w, dx, ax_);
-    ay_ = FusedMulAdd(d, w, dy, ay_);
-    az_ = FusedMulAdd(d, w, dz, az_);
+    ax_ = Fused(d, w, dx, ax_);
+    ay_ = Fused(d, w, dy, ay_);
+    az_ = Fused(d, w, dz, az_);
   }
 
   /// With r^2 = d^2 + softening2 and S the spread of the cell, q = S d / r^2:
@@ -81,24 +65,22 @@ class Block {
     const V qx = hn::Mul(inverse2, Row(cell.xx, cell.xy, cell.xz, dx, dy, dz));
     const V qy = hn::Mul(inverse2, Row(cell.xy, cell.yy, cell.yz, dx, dy, dz));
     const V qz = hn::Mul(inverse2, Row(cell.xz, cell.yz, cell.zz, dx, dy, dz));
-    const V dq = FusedMulAdd(d, dx, qx, FusedMulAdd(d, dy, qy, hn::Mul(dz, qz)));
-    const V bracket =
-        FusedMulAdd(d, hn::Set(d, Real{2.5}), dq, hn::Set(d, Real{-0.5} * cell.trace));
-    const V k = FusedMulAdd(d, bracket, inverse2, hn::Set(d, Real{1}));
-    ax_ = FusedMulAdd(d, w, hn::Sub(hn::Mul(k, dx), qx), ax_);
-    ay_ = FusedMulAdd(d, w, hn::Sub(hn::Mul(k, dy), qy), ay_);
-    az_ = FusedMulAdd(d, w, hn::Sub(hn::Mul(k, dz), qz), az_);
+    const V dq = Fused(d, dx, qx, Fused(d, dy, qy, hn::Mul(dz, qz)));
+    const V bracket = Fused(d, hn::Set(d, Real{2.5}), dq, hn::Set(d, Real{-0.5} * cell.trace));
+    const V k = Fused(d, bracket, inverse2, hn::Set(d, Real{1}));
+    ax_ = Fused(d, w, hn::Sub(hn::Mul(k, dx), qx), ax_);
+    ay_ = Fused(d, w, hn::Sub(hn::Mul(k, dy), qy), ay_);
+    az_ = Fused(d, w, hn::Sub(hn::Mul(k, dz), qz), az_);
   }
 
  private:
   static HWY_INLINE V Square(V dx, V dy, V dz, V softening2) {
     const D d;
-    return FusedMulAdd(d, dx, dx, FusedMulAdd(d, dy, dy, FusedMulAdd(d, dz, dz, softening2)));
+    return Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, softening2)));
   }
   static HWY_INLINE V Row(Real a, Real b, Real c, V dx, V dy, V dz) {
     const D d;
-    return FusedMulAdd(d, hn::Set(d, a), dx,
-                       FusedMulAdd(d, hn::Set(d, b), dy, hn::Mul(hn::Set(d, c), dz)));
+    return Fused(d, hn::Set(d, a), dx, Fused(d, hn::Set(d, b), dy, hn::Mul(hn::Set(d, c), dz)));
   }
 
   V x_, y_, z_, ax_, ay_, az_;
@@ -161,18 +143,10 @@ namespace vesper::barnes_hut {
 template <class Real>
 std::vector<Interactions<Real>> AvailableInteractions() {
   std::vector<Interactions<Real>> available;
-#if HWY_ARCH_X86
-  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma") &&
-                    __builtin_cpu_supports("bmi") && __builtin_cpu_supports("bmi2");
-#if HWY_TARGETS & HWY_AVX3
-  if (avx2 && __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512vl") &&
-      __builtin_cpu_supports("avx512dq") && __builtin_cpu_supports("avx512bw")) {
-    available.push_back(N_AVX3::Make<Real>());
-  }
-#endif
-#if (HWY_TARGETS & HWY_AVX2) && HWY_STATIC_TARGET != HWY_AVX2
-  if (avx2) available.push_back(N_AVX2::Make<Real>());
-#endif
+#if HWY_ARCH_X86_64
+  const InstructionSet best = BestInstructionSet();
+  if (best == InstructionSet::kAvx512) available.push_back(N_AVX3::Make<Real>());
+  if (best != InstructionSet::kBaseline) available.push_back(N_AVX2::Make<Real>());
 #endif
   available.push_back(HWY_STATIC_DISPATCH(Make<Real>)());
   return available;
