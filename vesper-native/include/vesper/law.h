@@ -75,9 +75,10 @@ typedef struct vesper_step {
  *  does. Only uses of the same library that are DEFERRED too see the copy. What is accumulated
  *  starts from zero in the copy as well; where other laws accumulate too, the engine has the array
  *  written at once, to sum it.
- *  When to take the array: `bind` is called before `advance` whenever somebody else wrote the array,
- *  and shows another `version` then. So a library keeps, with each copy, the version that it took it
- *  at; if `bind` shows another one, the copy is stale and the array is not; else the copy counts. */
+ *  When to take the array: `bind` is called before `advance` and `potential_energy` whenever somebody
+ *  else wrote the array, and shows another `version` then. So a library keeps, with each copy, the
+ *  version that it took it at; if `bind` shows another one, the copy is stale and the array is not;
+ *  else the copy counts. */
 #define VESPER_USE_DEFERRED 2u
 
 /** A property that a law uses. Matched by name; kind, type, components and dimension must agree. If
