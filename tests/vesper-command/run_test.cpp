@@ -268,6 +268,19 @@ TEST(RunTest, LawThatBreaksDownEndsWith1AndNamesFrameLawAndProperty) {
   EXPECT_NE(outcome.errors.find("newton_motion"), std::string::npos) << outcome.errors;
 }
 
+TEST(RunTest, LawThatBreaksDownOnADeviceIsNamedByTheReportThatAsksForItsValues) {
+  const Folder folder;
+  const std::string scene = folder.Write(
+      "s.vesper",
+      "scene 1\ndt 1\nlaw opencl_nbody\nrows world 1\ngravitationalConstant 1\nrows body 2\n"
+      "mass 1e200 1e200\nposition (0 0 0) (1 0 0)\nvelocity all (0 0 0)\n");
+  const Outcome outcome = RunScene(scene, {"--frames", "3"});
+  EXPECT_EQ(outcome.exit_code, 1);
+  EXPECT_NE(outcome.errors.find(scene + ": frame 3: LAW_MISBEHAVED: law opencl_motion: "),
+            std::string::npos)
+      << outcome.errors;
+}
+
 TEST(RunTest, CsvOfTwoKindsIsRefused) {
   const Folder folder;
   const Outcome outcome = RunScene(

@@ -75,9 +75,10 @@ class SceneRun {
 
   void Advance() {
     Write(0);
-    for (frame_ = 0; frame_ < options_.frames && interrupted == 0;) {
+    while (frame_ < options_.frames && interrupted == 0) {
+      ++frame_;
       engine_.Advance(scene_.dt, scene_.steps);
-      if (++frame_ % options_.every == 0) Write(frame_);
+      if (frame_ % options_.every == 0) Write(frame_);
     }
     if (csv_) csv_->Close();
   }
@@ -85,7 +86,7 @@ class SceneRun {
   /// Where a failed frame has its cause: a law that broke down, or else the scene.
   int Explain(const Error& error) const {
     if (error.status() == VESPER_LAW_FAILED || error.status() == VESPER_LAW_MISBEHAVED) {
-      return Fail(kFailed, scene_.file + ": frame " + std::to_string(frame_ + 1) + ": " +
+      return Fail(kFailed, scene_.file + ": frame " + std::to_string(frame_) + ": " +
                                error.what());
     }
     const auto place = scene_.places.find(std::string(error.property()));
@@ -218,7 +219,7 @@ class SceneRun {
   std::optional<CsvWriter> csv_;
   std::optional<PictureWriter> pictures_;
   uint64_t picture_count_ = 0;
-  uint64_t frame_ = 0;
+  uint64_t frame_ = 0;  // the last one that was begun
 };
 
 }  // namespace
@@ -239,6 +240,7 @@ int Run(const RunOptions& options) {
   }
   try {
     run->Advance();
+    run->Report();
   } catch (const RendererError& error) {
     return Fail(kFailed, error.what());
   } catch (const FileError& error) {
@@ -248,7 +250,6 @@ int Run(const RunOptions& options) {
   } catch (const Error& error) {
     return run->Explain(error);
   }
-  run->Report();
   return kDone;
 }
 
