@@ -16,10 +16,11 @@ say() { printf '%s\n' "reve: $*" >&2; }
 # build NAME SANITIZERS: the engine and the laws in build/sanitize-NAME.
 build() {
   local out=$root/build/sanitize-$1 flags="-fsanitize=$2 -fno-sanitize-recover=all -fno-omit-frame-pointer"
-  cmake -S "$root/vesper-native" -B "$out/engine" -G Ninja \
-    -DCMAKE_BUILD_TYPE=RelWithDebInfo -DVESPER_SANITIZE="$2" &&
+  # -O1: a sanitizer sees the same, and the compiler is done sooner.
+  local debug=(-DCMAKE_BUILD_TYPE=Debug "-DCMAKE_C_FLAGS_DEBUG=-O1 -g1" "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -g1")
+  cmake -S "$root/vesper-native" -B "$out/engine" -G Ninja "${debug[@]}" -DVESPER_SANITIZE="$2" &&
   cmake --build "$out/engine" -- -j"$jobs" &&
-  cmake -S "$root/laws" -B "$out/laws" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo \
+  cmake -S "$root/laws" -B "$out/laws" -G Ninja "${debug[@]}" \
     -DVesper_DIR="$out/engine" -DCMAKE_CXX_FLAGS="$flags" &&
   cmake --build "$out/laws" -- -j"$jobs"
 }
