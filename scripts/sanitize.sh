@@ -48,9 +48,9 @@ check() { # NAME SANITIZERS
 rm -rf "$reports"
 mkdir -p "$reports"
 # Mesa, which draws for the renderer, has threads of its own and is built without the sanitizer, which
-# therefore sees what Mesa copies but not its locks. Nothing else is suppressed: for TBB, see
-# vesper-native/src/thread_sanitizer.hpp.
-echo 'race:libOSMesa.so' > "$reports/thread.supp"
+# therefore sees what Mesa copies but not its locks. So it is with what TBB itself copies and frees;
+# what runs on its threads is checked, see vesper-native/src/thread_sanitizer.hpp.
+printf '%s\n' race:libOSMesa.so called_from_lib:libtbb.so > "$reports/thread.supp"
 export TSAN_OPTIONS="suppressions=$reports/thread.supp"
 check address address,undefined
 check thread thread
