@@ -36,9 +36,11 @@ final class Reve {
         return new Outcome(process.exitValue(), out, err.toString());
     }
 
-    /** The command line for a process of one's own. */
+    /** The command line for a process of one's own. It heeds SIGINT even where the tests were started so
+     * as to ignore it, as a shell does with what it starts in the background. */
     static List<String> command(String... arguments) {
         List<String> command = new ArrayList<>(List.of(
+                "env", "--default-signal=INT",
                 System.getProperty("java.home") + "/bin/java", "-XX:+UseSerialGC", "-XX:+RestoreMXCSROnJNICalls",
                 "--enable-native-access=ALL-UNNAMED", "-Dreve.native.path=" + Project.NATIVE,
                 "-Dreve.root=" + Project.ROOT, "-cp", Project.ROOT.resolve("build/stage/lib") + "/*",
