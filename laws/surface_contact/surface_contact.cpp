@@ -55,6 +55,9 @@ struct SurfaceContact {
   }
 
   void Bind() {
+    RefuseNegative(hardness);
+    if (damping.present()) RefuseNegative(damping);
+    if (friction.present()) RefuseNegative(friction);
     topology_.Build({vertices.data(), vertices.size()}, position.size());
     const auto patches = topology_.patches();
     boxes_.resize(patches.size());
@@ -289,6 +292,17 @@ struct SurfaceContact {
                                   frame.Reaction(corner, drag);
     }
     return contact.normal * push + drag;
+  }
+
+  /** A negative one would pull, speed up or blow up. */
+  template <class Column>
+  static void RefuseNegative(const Column& column) {
+    for (uint64_t row = 0; row < column.size(); ++row) {
+      if (!(column[row] < 0)) continue;
+      throw std::runtime_error("'" + std::string(column.name()) + "' of surface row " +
+                               std::to_string(row) + " is " + std::to_string(column[row]) +
+                               ", expected 0 or more");
+    }
   }
 
   Real Damping(uint32_t face) const { return damping.present() ? damping[face] : 0; }

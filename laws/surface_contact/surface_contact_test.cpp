@@ -343,6 +343,26 @@ TYPED_TEST(SurfaceContactTest, HeapOfIcosahedraHasTheSameBitsOnAnyNumberOfThread
   }
 }
 
+TYPED_TEST(SurfaceContactTest, WhatMustNotBeNegativeIsNamed) {
+  const std::pair<Material, std::string> cases[] = {
+      {{-1000, 0, 0}, "'hardness' of surface row 0 is -1000"},
+      {{1000, -1, 0}, "'surfaceDamping' of surface row 0 is -1"},
+      {{1000, 0, -1}, "'frictionCoefficient' of surface row 0 is -1"}};
+  for (const auto& [material, expected] : cases) {
+    ContactScene<TypeParam> scene;
+    scene.AddGround(material);
+    PhysicsEngine engine = scene.MakeEngine();
+    engine.LoadPhysicsLaw("surface_contact");
+    try {
+      engine.Advance(1e-3);
+      ADD_FAILURE() << "nobody is told of " << expected;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.status(), VESPER_LAW_FAILED);
+      EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
+    }
+  }
+}
+
 TYPED_TEST(SurfaceContactTest, APositionThatIsNotANumberIsNamed) {
   ContactScene<TypeParam> scene;
   scene.AddGround({1000, 0, 0});

@@ -1,13 +1,11 @@
 // Charged dust in a magnetic field: three clouds that part.
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <vector>
 
+#include "frames.hpp"
 #include "program.hpp"
-#include "vesper/law.hpp"
 
 namespace vesper {
 namespace {
@@ -22,10 +20,8 @@ constexpr double kFlux = 1, kDrag = 3e-15;      // [T], [kg/s]
 double MassOf(size_t grain) { return grain < 2 * kCloud ? 2e-14 : 4e-14; }
 double ChargeOf(size_t grain) { return grain / kCloud == 1 ? -2e-14 : 2e-14; }
 
-/// Positions and velocities of all grains at one time.
-struct Dust {
-  std::vector<Vector> position, velocity;
-
+/// All grains at one time.
+struct Dust : Frame {
   /// m v - q x cross B + c x [N s], which only rounding changes.
   Vector KeptMomentum() const {
     Vector sum;
@@ -66,23 +62,9 @@ DustRun RunDust(int seconds, int threads) {
        "--every", frames, "--threads", std::to_string(threads), "--csv", folder / "dust.csv",
        "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  DustRun run;
-  std::istringstream lines(ReadText(folder / "dust.csv"));
-  std::string line;
-  std::getline(lines, line);
-  for (size_t n = 0; std::getline(lines, line); ++n) {
-    std::ranges::replace(line, ',', ' ');
-    std::istringstream values(line);
-    double frame, time, row;
-    Vector x, v;
-    values >> frame >> time >> row >> x.x >> x.y >> x.z >> v.x >> v.y >> v.z;
-    if (!values) throw std::runtime_error("unexpected line: " + line);
-    Dust& dust = n < kGrains ? run.begin : run.end;
-    dust.position.push_back(x);
-    dust.velocity.push_back(v);
-  }
-  run.state_hash = Json::parse(outcome.output)["stateHash"];
-  return run;
+  const std::vector<Frame> written = ReadFrames(ReadText(folder / "dust.csv"));
+  EXPECT_EQ(written.size(), 2u);
+  return {{written.front()}, {written.back()}, Json::parse(outcome.output)["stateHash"]};
 }
 
 void ExpectWithin(const Json& range, double value, const std::string& what) {

@@ -3,10 +3,9 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <regex>
-#include <sstream>
 
+#include "frames.hpp"
 #include "program.hpp"
-#include "vesper/law.hpp"
 
 namespace vesper {
 namespace {
@@ -32,57 +31,31 @@ std::string SmallScene() {
   return text;
 }
 
-struct Body {
-  double mass;
-  Vector position, velocity;
-};
-using Bodies = std::vector<Body>;
-
-std::vector<Bodies> ReadFrames(const std::string& csv) {
-  std::vector<Bodies> frames;
-  std::istringstream lines(csv);
-  std::string line;
-  std::getline(lines, line);
-  while (std::getline(lines, line)) {
-    std::ranges::replace(line, ',', ' ');
-    std::istringstream values(line);
-    double frame, time;
-    size_t row;
-    Body body;
-    Vector &x = body.position, &v = body.velocity;
-    values >> frame >> time >> row >> x.x >> x.y >> x.z >> v.x >> v.y >> v.z >> body.mass;
-    if (!values) throw std::runtime_error("unexpected line: " + line);
-    if (row == 0) frames.emplace_back();
-    frames.back().push_back(body);
-  }
-  return frames;
-}
-
-Vector Momentum(const Bodies& bodies) {
+Vector Momentum(const Frame& bodies) {
   Vector sum;
-  for (const Body& body : bodies) sum += body.velocity * body.mass;
+  for (size_t i = 0; i < bodies.size(); ++i) sum += bodies.velocity[i] * bodies.mass[i];
   return sum;
 }
 
 /// Kinetic, and potential of all pairs, with G = 1 and the scene's softening of 0.1.
-double Energy(const Bodies& bodies) {
+double Energy(const Frame& bodies) {
   double energy = 0;
   for (size_t i = 0; i < bodies.size(); ++i) {
-    energy += 0.5 * bodies[i].mass * Dot(bodies[i].velocity, bodies[i].velocity);
+    energy += 0.5 * bodies.mass[i] * Dot(bodies.velocity[i], bodies.velocity[i]);
     for (size_t j = 0; j < i; ++j) {
-      const Vector d = bodies[i].position - bodies[j].position;
-      energy -= bodies[i].mass * bodies[j].mass / std::sqrt(Dot(d, d) + 0.01);
+      const Vector d = bodies.position[i] - bodies.position[j];
+      energy -= bodies.mass[i] * bodies.mass[j] / std::sqrt(Dot(d, d) + 0.01);
     }
   }
   return energy;
 }
 
 /// Between the densest regions: the medians of the coordinates of each galaxy.
-double Separation(const Bodies& bodies) {
+double Separation(const Frame& bodies) {
   const auto median = [&](size_t begin, double Vector::* coordinate) {
     std::vector<double> values;
     for (size_t i = begin; i < begin + kBodies / 2; ++i) {
-      values.push_back(bodies[i].position.*coordinate);
+      values.push_back(bodies.position[i].*coordinate);
     }
     std::ranges::nth_element(values, values.begin() + kBodies / 4);
     return values[kBodies / 4];
@@ -93,9 +66,9 @@ double Separation(const Bodies& bodies) {
   return Length(centre(0) - centre(kBodies / 2));
 }
 
-double Largest(const Bodies& bodies) {
+double Largest(const Frame& bodies) {
   double largest = 0;
-  for (const Body& body : bodies) largest = std::max(largest, Length(body.position));
+  for (const Vector& x : bodies.position) largest = std::max(largest, Length(x));
   return largest;
 }
 
@@ -117,9 +90,9 @@ TEST_F(GalaxyCollisionTest, IsBoundByTheFirstPassageAndKeepsEnergyMomentumAndBod
       VESPER_COMMAND, {"run", folder.Write("small.vesper", SmallScene()), "--laws", VESPER_LAW_PATH,
                        "--frames", frames, "--every", half, "--csv", folder / "frames.csv"});
   ASSERT_EQ(outcome.exit_code, 0) << outcome.errors;
-  const std::vector<Bodies> run = ReadFrames(ReadText(folder / "frames.csv"));
+  const std::vector<Frame> run = ReadFrames(ReadText(folder / "frames.csv"));
   ASSERT_EQ(run.size(), 3u);
-  for (const Bodies& bodies : run) ASSERT_EQ(bodies.size(), kBodies);
+  for (const Frame& bodies : run) ASSERT_EQ(bodies.size(), kBodies);
   const double energy = Energy(run.front());
   ExpectWithin("energyDrift", std::abs(Energy(run.back()) / energy - 1));
   ExpectWithin("momentum", Length(Momentum(run.back())));

@@ -4,10 +4,9 @@
 #include <cmath>
 #include <numbers>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
+#include "frames.hpp"
 #include "program.hpp"
-#include "vesper/law.hpp"
 
 namespace vesper {
 namespace {
@@ -31,26 +30,18 @@ struct Corners {
   Vector Centre() const { return Mean(position); }
 };
 
-std::vector<Corners> ReadFrames(const std::string& csv) {
-  std::vector<Corners> frames;
-  std::istringstream lines(csv);
-  std::string line;
-  std::getline(lines, line);
-  for (size_t n = 0; std::getline(lines, line); ++n) {
-    if (n % kBodies == 0) frames.emplace_back();
-    std::ranges::replace(line, ',', ' ');
-    std::istringstream values(line);
-    double frame, time;
-    size_t row;
-    Vector x, v;
-    values >> frame >> time >> row >> x.x >> x.y >> x.z >> v.x >> v.y >> v.z;
-    if (!values || row != n % kBodies) throw std::runtime_error("unexpected line: " + line);
-    if (row < kCorners) {
-      frames.back().position[row] = x;
-      frames.back().velocity[row] = v;
+/// The icosahedron's rows come first, then those of the ground.
+std::vector<Corners> CornersOf(const std::vector<Frame>& frames) {
+  std::vector<Corners> corners;
+  for (const Frame& frame : frames) {
+    EXPECT_EQ(frame.size(), kBodies);
+    Corners& at = corners.emplace_back();
+    for (size_t row = 0; row < kCorners; ++row) {
+      at.position[row] = frame.position.at(row);
+      at.velocity[row] = frame.velocity.at(row);
     }
   }
-  return frames;
+  return corners;
 }
 
 struct SceneRun {
@@ -65,7 +56,7 @@ SceneRun RunScene(const std::string& name, int seconds, int threads) {
                        std::to_string(60 * seconds), "--threads", std::to_string(threads), "--csv",
                        folder / "frames.csv", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  return {ReadFrames(ReadText(folder / "frames.csv")), Json::parse(outcome.output)["stateHash"]};
+  return {CornersOf(ReadFrames(ReadText(folder / "frames.csv"))), Json::parse(outcome.output)["stateHash"]};
 }
 
 /// Largest relative change of an edge at the end. Edges join the corners nearest to each other at

@@ -2,11 +2,10 @@
 #include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
-#include <sstream>
 #include <vector>
 
+#include "frames.hpp"
 #include "program.hpp"
-#include "vesper/law.hpp"
 
 namespace vesper {
 namespace {
@@ -18,9 +17,7 @@ const std::string kFolder = VESPER_WORLDS "/nbody-1536/";
 constexpr size_t kSuns = 1536;
 constexpr double kMass = 1.0 / kSuns, kSoftening = 0.05;  // [kg], [m]; G is 1
 
-struct Suns {
-  std::vector<Vector> position, velocity;
-
+struct Suns : Frame {
   double Energy() const {
     double energy = 0;
     for (size_t i = 0; i < kSuns; ++i) {
@@ -51,23 +48,10 @@ SunsRun RunSuns(const std::string& scene, int frames) {
                                   "--frames", count, "--every", count, "--threads", "2", "--csv",
                                   folder / "suns.csv"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  SunsRun run;
-  std::istringstream lines(ReadText(folder / "suns.csv"));
-  std::string line;
-  std::getline(lines, line);
-  for (size_t n = 0; std::getline(lines, line); ++n) {
-    std::ranges::replace(line, ',', ' ');
-    std::istringstream values(line);
-    double frame, time, row;
-    Vector x, v;
-    values >> frame >> time >> row >> x.x >> x.y >> x.z >> v.x >> v.y >> v.z;
-    if (!values) throw std::runtime_error("unexpected line: " + line);
-    Suns& suns = n < kSuns ? run.begin : run.end;
-    suns.position.push_back(x);
-    suns.velocity.push_back(v);
-  }
-  EXPECT_EQ(run.end.position.size(), kSuns);
-  return run;
+  const std::vector<Frame> written = ReadFrames(ReadText(folder / "suns.csv"));
+  EXPECT_EQ(written.size(), 2u);
+  EXPECT_EQ(written.back().size(), kSuns);
+  return {{written.front()}, {written.back()}};
 }
 
 double LargestDistance(const Suns& a, const Suns& b) {
