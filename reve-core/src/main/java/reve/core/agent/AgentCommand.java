@@ -1,58 +1,59 @@
 package reve.core.agent;
 
-import java.util.LinkedHashMap;
-import java.util.Map;
+import java.util.function.Consumer;
 import org.jspecify.annotations.Nullable;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
 import reve.core.world.World;
 
 /** What an agent wants of the world: done on the world's thread in ACT, answered on the publisher's. */
-abstract sealed class AgentCommand implements Command permits JoinCommand, ActCommand, LeaveCommand {
+public final class AgentCommand implements Command {
 
     private final Publisher publisher;
-    private final String agent;
+    private final Members members;
     private final long sequence;
+    private final AgentInput input;
+    private final Consumer<Outcome> answer;
+    private Outcome outcome = new Outcome.Absent();
 
     /** The command that was completed before this one; kept by the publisher. */
     @Nullable AgentCommand previous;
 
-    AgentCommand(Publisher publisher, String agent, long sequence) {
+    /** @param answer told how it went, on the publisher's thread */
+    AgentCommand(Publisher publisher, Members members, long sequence, AgentInput input, Consumer<Outcome> answer) {
         this.publisher = publisher;
-        this.agent = agent;
+        this.members = members;
         this.sequence = sequence;
+        this.input = input;
+        this.answer = answer;
+    }
+
+    /** What is wanted, for whoever records it. */
+    public AgentInput input() {
+        return input;
     }
 
     @Override
-    public final String origin() {
-        return agent;
+    public String origin() {
+        return input.agent();
     }
 
     @Override
-    public final long sequence() {
+    public long sequence() {
         return sequence;
     }
 
     @Override
-    public final void execute(World world, FrameEvent event) {
+    public void execute(World world, FrameEvent event) {
         try {
-            perform(world, event.frame());
+            outcome = members.apply(world, event.frame(), input);
         } finally {
             publisher.completed(this);
         }
     }
 
-    abstract void perform(World world, long frame);
-
-    /** An event's fields from names and values in turn, in the order given. */
-    static Map<String, Object> fields(String... namesAndValues) {
-        var fields = new LinkedHashMap<String, Object>();
-        for (int i = 0; i < namesAndValues.length; i += 2) {
-            fields.put(namesAndValues[i], namesAndValues[i + 1]);
-        }
-        return fields;
+    /** Tells the agent how it went. */
+    void report() {
+        answer.accept(outcome);
     }
-
-    /** Tells the agent how it went, on the publisher's thread. */
-    abstract void report();
 }

@@ -11,6 +11,7 @@ import java.util.Deque;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.atomic.AtomicLong;
+import java.util.function.Consumer;
 import java.util.regex.Pattern;
 import reve.core.agent.ServerMessage.Limits;
 import reve.core.agent.ServerMessage.Welcome;
@@ -36,11 +37,11 @@ public final class AgentServer implements AutoCloseable {
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog();
     private final Publisher publisher;
-    private final Bodies bodies;
+    private final Members members;
     private final ServerSocket socket;
     private final Set<Session> sessions = ConcurrentHashMap.newKeySet();
     private final Set<String> names = ConcurrentHashMap.newKeySet();
-    private final Deque<LeaveCommand> leaving = new ArrayDeque<>();
+    private final Deque<AgentCommand> leaving = new ArrayDeque<>();
     private final AtomicLong sequence = new AtomicLong();
     private final Subscription subscription;
     private final Thread acceptor;
@@ -65,7 +66,7 @@ public final class AgentServer implements AutoCloseable {
         this.port = port;
         this.socket = socket;
         this.publisher = new Publisher(port, log, this::queueLeaving);
-        this.bodies = new Bodies(port.agents());
+        this.members = new Members(port.agents());
         this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
         this.acceptor = Thread.ofVirtual().name("agent acceptor").unstarted(this::accept);
         this.watch = Thread.ofVirtual().name("agent deadlines").unstarted(this::watch);
@@ -137,30 +138,31 @@ public final class AgentServer implements AutoCloseable {
      *
      * @throws Ending if it cannot come in
      */
-    JoinCommand join(Session session, ClientMessage.Hello hello) throws Ending {
+    void join(Session session, ClientMessage.Hello hello) throws Ending {
         requireAcceptable(hello);
         if (!names.add(hello.name())) {
             throw Ending.refused("name-taken", "another agent is called " + Text.quote(hello.name()),
                     "say hello with another name");
         }
-        var join = new JoinCommand(publisher, session, hello.name(), sequence.incrementAndGet(), bodies, hello.body());
-        if (!port.commands().offer(join)) {
+        if (!port.commands().offer(command(new AgentInput.Join(hello.name(), hello.body()), session::joined))) {
             names.remove(hello.name());
             throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");
         }
-        return join;
     }
 
     /** Hands an act to the world. @return false if the world has no room for it */
-    boolean act(Session session, JoinCommand membership, ClientMessage.Act act) {
-        return port.commands().offer(
-                new ActCommand(publisher, session, membership, sequence.incrementAndGet(), act));
+    boolean act(AgentInput.Act act, Consumer<Outcome> answer) {
+        return port.commands().offer(command(act, answer));
     }
 
     /** Takes an agent out of the world, in the next frame that has room for the command. */
-    synchronized void leave(JoinCommand membership, String reason) {
-        leaving.add(new LeaveCommand(publisher, membership, sequence.incrementAndGet(), reason));
+    synchronized void leave(String agent, String reason) {
+        leaving.add(command(new AgentInput.Leave(agent, reason), outcome -> { }));
         queueLeaving();
+    }
+
+    private AgentCommand command(AgentInput input, Consumer<Outcome> answer) {
+        return new AgentCommand(publisher, members, sequence.incrementAndGet(), input, answer);
     }
 
     /** Once queued, the name is free again: commands of one name keep their order. */

@@ -33,6 +33,10 @@ final class Ending extends Exception {
         return new Ending(code, message, Optional.empty(), true);
     }
 
+    Optional<String> hint() {
+        return hint;
+    }
+
     String code() {
         return code;
     }

@@ -32,7 +32,6 @@ final class Session {
     private int errors;
 
     // Guarded by this.
-    private @Nullable JoinCommand membership;
     private ClientMessage.@Nullable Hello hello;
     private boolean welcomed;
     private long joinedInFrame;
@@ -68,8 +67,18 @@ final class Session {
 
     // ---- publisher's thread ----
 
-    /** The agent has its body. */
-    synchronized void welcome(String body, long frame) {
+    /** The agent has its body, or cannot have one. */
+    void joined(Outcome outcome) {
+        switch (outcome) {
+            case Outcome.Joined joined -> welcome(joined.body(), joined.frame());
+            case Outcome.Refused no -> end(Ending.refused(no.code(), no.reason(), no.hint().orElse("")));
+            case Outcome.Failed failed -> fail(failed.cause());
+            case Outcome.Done done -> { }
+            case Outcome.Absent absent -> { }
+        }
+    }
+
+    private synchronized void welcome(String body, long frame) {
         ClientMessage.Hello greeting = hello;
         if (greeting == null || hasEnded()) {
             return;
@@ -89,17 +98,26 @@ final class Session {
     }
 
     /** An act of this agent has its outcome. */
-    void acted(ServerMessage result, long frame) {
+    private void acted(ClientMessage.Act act, Outcome outcome) {
+        switch (outcome) {
+            case Outcome.Done done -> answer(new ServerMessage.Accepted(act.id(), done.frame()), done.frame());
+            case Outcome.Refused no -> answer(new ServerMessage.Refused(act.id(), no.code(), no.reason()), no.frame());
+            case Outcome.Failed failed -> {
+                server.log().error("action " + Text.quote(act.action()) + " of item " + Text.quote(act.item())
+                        + " failed", failed.cause());
+                answer(new ServerMessage.Refused(act.id(), "action-failed", "the action " + Text.quote(act.action())
+                        + " failed; the server's log says why"), failed.frame());
+            }
+            case Outcome.Joined joined -> { }
+            case Outcome.Absent absent -> { }
+        }
+    }
+
+    private void answer(ServerMessage result, long frame) {
         actsInFlight.decrementAndGet();
         (result instanceof ServerMessage.Accepted ? counters.actsAccepted : counters.actsRefused).increment();
         perceptions.notBefore(frame);
         send(result.line());
-    }
-
-    /** The action has an error of its own, which is for whoever wrote it. */
-    void actionFailed(ClientMessage.Act act, RuntimeException failure) {
-        server.log().error("action " + Text.quote(act.action()) + " of item " + Text.quote(act.item()) + " failed",
-                failure);
     }
 
     // ---- any thread ----
@@ -119,8 +137,8 @@ final class Session {
         }
         endedNanos = System.nanoTime();
         ending = why;
-        if (membership != null) {
-            server.leave(membership, why.code());
+        if (hello != null) {
+            server.leave(hello.name(), why.code());
         }
         if (welcomed) {
             counters.agents.decrement();
@@ -210,22 +228,22 @@ final class Session {
     }
 
     private void handle(ClientMessage message, LineReader lines) throws BadMessage, Ending {
-        JoinCommand joined = membership;
-        if (joined == null && !(message instanceof ClientMessage.Hello)) {
+        ClientMessage.Hello said = hello;
+        if (said == null && !(message instanceof ClientMessage.Hello)) {
             throw new BadMessage(message.id(), "hello-expected", "the first message must be hello",
                     "send {\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}");
         }
         switch (message) {
             case ClientMessage.Hello greeting -> {
-                if (joined != null) {
-                    throw new BadMessage(greeting.id(), "hello-again", "this connection is agent " + joined.origin()
+                if (said != null) {
+                    throw new BadMessage(greeting.id(), "hello-again", "this connection is agent " + said.name()
                             + " already", "open another connection for another agent");
                 }
                 join(greeting);
                 lines.greeted();
             }
             case ClientMessage.Perceive perceive -> perceptions.ask(perceive, server.published());
-            case ClientMessage.Act act -> act(act, joined);
+            case ClientMessage.Act act -> act(act, said);
             case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()).line());
             case ClientMessage.Pong pong -> { }
             case ClientMessage.Bye bye -> throw Ending.regular("goodbye", "the agent said bye");
@@ -234,21 +252,22 @@ final class Session {
 
     private synchronized void join(ClientMessage.Hello greeting) throws Ending {
         if (!hasEnded()) {
-            membership = server.join(this, greeting);
+            server.join(this, greeting);
             hello = greeting;
         }
     }
 
-    private void act(ClientMessage.Act act, JoinCommand joined) {
+    private void act(ClientMessage.Act act, ClientMessage.Hello greeting) {
+        var input = new AgentInput.Act(greeting.name(), act.item(), act.action(), act.arguments());
         if (actsInFlight.incrementAndGet() > config.actsInFlight()) {
             refuse(act, "too-many-acts", config.actsInFlight() + " acts wait for their result already");
-        } else if (!server.act(this, joined, act)) {
+        } else if (!server.act(input, outcome -> acted(act, outcome))) {
             refuse(act, "world-busy", "the world has more to do than fits into a frame");
         }
     }
 
     private void refuse(ClientMessage.Act act, String code, String reason) {
-        acted(new ServerMessage.Refused(act.id(), code, reason), 0);
+        answer(new ServerMessage.Refused(act.id(), code, reason), 0);
     }
 
     /** Closes so that the last line arrives: what the client still sends would else reset the connection. */

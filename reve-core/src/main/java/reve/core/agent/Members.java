@@ -1,0 +1,174 @@
+package reve.core.agent;
+
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import reve.core.file.AgentPolicy;
+import reve.core.world.Action;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Arguments;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+
+/**
+ * The agents that are in a world, and the one place where what they want is checked and done. The same inputs in
+ * the same frames and order give the same world, whether they come from connections or from a recording. World's
+ * thread only.
+ */
+public final class Members {
+
+    private final AgentPolicy policy;
+    private final Map<String, Body> bodies = new HashMap<>();
+    private final Set<String> lent = new HashSet<>();
+
+    /** @param made true if the item exists for this agent only and goes with it */
+    private record Body(ItemId id, String name, boolean made) {
+
+        Optional<Item> in(World world) {
+            return world.find(name).filter(item -> item.id().equals(id));
+        }
+    }
+
+    /** @param policy which bodies the world grants */
+    public Members(AgentPolicy policy) {
+        this.policy = policy;
+    }
+
+    /** Checks and does what an agent wants, outside PHYSICS; either all of it happens or none. */
+    public Outcome apply(World world, long frame, AgentInput input) {
+        try {
+            return switch (input) {
+                case AgentInput.Join join -> join(world, frame, join);
+                case AgentInput.Act act -> act(world, frame, act);
+                case AgentInput.Leave leave -> leave(world, frame, leave);
+            };
+        } catch (Ending e) {
+            return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
+        } catch (ActionRefused e) {
+            return new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
+        } catch (RuntimeException e) {
+            return new Outcome.Failed(frame, e);
+        }
+    }
+
+    // ---- acting ----
+
+    private Outcome act(World world, long frame, AgentInput.Act act) throws ActionRefused {
+        Body body = bodies.get(act.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        Item item = world.find(act.item()).orElseThrow(() -> new ActionRefused("no-such-item",
+                "the world has no item " + Text.quote(act.item())));
+        Action action = item.access().find(act.action()).orElseThrow(() -> noSuchAction(item, act.action()));
+        action.perform(new ActionCall(world, frame, item, body.in(world), Arguments.check(action, act.arguments())));
+        world.raise(new WorldEvent(frame, "acted",
+                fields("agent", act.agent(), "item", act.item(), "action", act.action())));
+        return new Outcome.Done(frame);
+    }
+
+    private static ActionRefused noSuchAction(Item item, String wanted) {
+        List<String> names = item.access().actions().stream().map(Action::name).toList();
+        return new ActionRefused("no-such-action", "the item " + Text.quote(item.name()) + " has no action "
+                + Text.quote(wanted) + (names.isEmpty() ? "; it has none" : "; it has " + names));
+    }
+
+    // ---- joining and leaving ----
+
+    private Outcome join(World world, long frame, AgentInput.Join join) throws Ending {
+        if (bodies.containsKey(join.agent())) {
+            throw Ending.refused("name-taken", "another agent is called " + Text.quote(join.agent()),
+                    "say hello with another name");
+        }
+        Body body = take(world, join.agent(), join.body());
+        bodies.put(join.agent(), body);
+        world.raise(new WorldEvent(frame, "joined", fields("agent", join.agent(), "body", body.name())));
+        return new Outcome.Joined(frame, body.name());
+    }
+
+    /** A body may be gone from the world already. */
+    private Outcome leave(World world, long frame, AgentInput.Leave leave) {
+        Body body = bodies.remove(leave.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        lent.remove(body.name());
+        if (body.made() && body.in(world).isPresent()) {
+            world.removeCascade(body.id());
+        }
+        world.raise(new WorldEvent(frame, "left",
+                fields("agent", leave.agent(), "body", body.name(), "reason", leave.reason())));
+        return new Outcome.Done(frame);
+    }
+
+    /** The lent item that an agent asks for, else any free one, else a new item. */
+    private Body take(World world, String agent, Optional<String> wanted) throws Ending {
+        if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
+            throw Ending.refused("no-bodies", "world " + world.name() + " grants agents no body",
+                    "add `agents: {body: {...}}` or `agents: {bodies: [item, ...]}` to the world file");
+        }
+        if (wanted.isPresent()) {
+            return lend(requireFree(world, wanted.get()));
+        }
+        for (String name : policy.bodies()) {
+            Optional<Item> item = world.find(name);
+            if (item.isPresent() && !lent.contains(name)) {
+                return lend(item.get());
+            }
+        }
+        ItemDefinition template = policy.template().orElseThrow(() -> Ending.refused("no-body-free",
+                "all bodies that world " + world.name() + " lends to agents are taken",
+                "try again when an agent has left"));
+        return make(world, agent, template);
+    }
+
+    private Item requireFree(World world, String name) throws Ending {
+        if (!policy.bodies().contains(name)) {
+            throw Ending.refused("no-such-body", "world " + world.name() + " lends agents no item "
+                    + Text.quote(name), "it lends " + policy.bodies());
+        }
+        if (lent.contains(name)) {
+            throw Ending.refused("body-taken", "another agent has the body " + Text.quote(name),
+                    "leave out body to get any that is free");
+        }
+        return world.find(name).orElseThrow(() -> Ending.refused("no-such-body",
+                "the item " + Text.quote(name) + " is no longer in world " + world.name(),
+                "leave out body to get any that is free"));
+    }
+
+    private Body lend(Item item) {
+        lent.add(item.name());
+        return new Body(item.id(), item.name(), false);
+    }
+
+    private static Body make(World world, String agent, ItemDefinition template) throws Ending {
+        if (world.find(agent).isPresent()) {
+            throw Ending.refused("name-taken", "world " + world.name() + " has an item " + Text.quote(agent)
+                    + " already, so the agent's body cannot be called that", "say hello with another name");
+        }
+        try {
+            Item item = world.add(template.renamed(agent));
+            return new Body(item.id(), item.name(), true);
+        } catch (RuntimeException e) {
+            throw Ending.refused("no-body-free", "the body could not be made: " + e.getMessage(),
+                    "correct agents.body in the world file");
+        }
+    }
+
+    /** An event's fields from names and values in turn, in the order given. */
+    private static Map<String, Object> fields(String... namesAndValues) {
+        var fields = new LinkedHashMap<String, Object>();
+        for (int i = 0; i < namesAndValues.length; i += 2) {
+            fields.put(namesAndValues[i], namesAndValues[i + 1]);
+        }
+        return fields;
+    }
+}
