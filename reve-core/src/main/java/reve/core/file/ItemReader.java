@@ -75,8 +75,20 @@ final class ItemReader {
     /** The body that new agents get; the taker renames it. */
     ItemDefinition readTemplate(Node template) {
         ItemDefinition.Builder item = ItemDefinition.named("agent");
-        readAspects(template, WorldPrototype.BODY, item);
+        readAspects(template, WorldPrototype.BODY, hasPhysics(template), item);
         return item.build();
+    }
+
+    /** An item without its world: what it says of others is taken as it is. */
+    Optional<ItemDefinition> readAlone(Node node) {
+        Optional<String> kind = kind(node);
+        Optional<ItemDefinition.Builder> item = node.get("name")
+                .flatMap(name -> named(name, node, kind.orElse("")));
+        if (kind.isPresent() && item.isPresent()) {
+            item.get().kind(kind.get());
+            readAspects(node, kind.get(), true, item.get());
+        }
+        return item.map(ItemDefinition.Builder::build);
     }
 
     /** What an item of that kind holds is checked even if its name is wrong. */
@@ -87,7 +99,7 @@ final class ItemReader {
         ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
         kind.ifPresent(known -> {
             item.kind(known);
-            readAspects(node, known, item);
+            readAspects(node, known, hasPhysics(node), item);
             requireReferences(node, known);
         });
         return named.map(ItemDefinition.Builder::build);
@@ -139,7 +151,8 @@ final class ItemReader {
         return item.get("physics").filter(aspect -> !aspect.children().isEmpty()).isPresent();
     }
 
-    private void readAspects(Node node, String kind, ItemDefinition.Builder item) {
+    private void readAspects(Node node, String kind, boolean hasPhysics,
+            ItemDefinition.Builder item) {
         node.get("physical").ifPresent(aspect -> {
             if (kind.equals(WorldPrototype.BODY)) {
                 physical.read(aspect, item);
@@ -150,7 +163,7 @@ final class ItemReader {
         });
         node.get("semantic").ifPresent(aspect -> readSymbols(aspect, item));
         node.get("physics").ifPresent(aspect -> readPhysics(aspect, kind, item));
-        var owner = new ActionReader.Owner(item.name(), kind, hasPhysics(node));
+        var owner = new ActionReader.Owner(item.name(), kind, hasPhysics);
         for (Node action : node.get("access").map(Node::children).orElse(List.of())) {
             actions.read(action, owner).ifPresent(item::action);
         }

@@ -54,6 +54,11 @@ final class SchemaCheck {
         new SchemaCheck(problems).check(root);
     }
 
+    /** As {@link #check}, of a single item. */
+    static void checkItem(Node item, Problems problems) {
+        new SchemaCheck(problems).report(ITEM.validate(toJson(item, Optional.empty())), item);
+    }
+
     /** Items are checked one by one: there may be many, and a hundred problems are enough. */
     private void check(Node root) {
         ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));

@@ -2,6 +2,10 @@ package reve.core.file;
 
 import java.io.IOException;
 import java.nio.file.Path;
+import java.util.Optional;
+import java.util.Set;
+import reve.core.world.ItemDefinition;
+import reve.core.world.WorldPrototype;
 
 /**
  * Reads world files: YAML (any JSON file is also valid) that follows the schema
@@ -33,6 +37,25 @@ public final class WorldFile {
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
         var problems = new Problems(name);
         return read(SourceText.decode(content, problems), problems);
+    }
+
+    /**
+     * Reads and checks what {@link ItemWriter} wrote. Items that it refers to are not looked for,
+     * and need not be given; an action may take it that the item has physics.
+     *
+     * @param name what problems call the text
+     * @param prototype of the world that the item is for
+     * @throws WorldFileException as {@link #load}
+     */
+    public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
+            throws WorldFileException {
+        var problems = new Problems(name);
+        Node item = YamlReader.read(text, problems);
+        SchemaCheck.checkItem(item, problems);
+        var physics = new PhysicsReader(prototype, Set.of(), problems);
+        Optional<ItemDefinition> read = new ItemReader(prototype, physics, problems).readAlone(item);
+        problems.throwIfAny();
+        return read.orElseThrow();
     }
 
     private static WorldDescription read(String text, Problems problems)

@@ -56,6 +56,12 @@ public final class Item {
         return new PhysicsAspect(this);
     }
 
+    /** The item as it is now, to be written to a file or added to another world. */
+    public ItemDefinition definition() {
+        checkedRow();
+        return ItemDefinition.of(this);
+    }
+
     World world() {
         return world;
     }

@@ -44,6 +44,37 @@ public final class ItemDefinition {
         return new Builder(name);
     }
 
+    /**
+     * What an item is now; added to another world of the same prototype, it is the same item to
+     * the bit. Properties of its physics aspect that are 0 are left out.
+     */
+    static ItemDefinition of(Item item) {
+        Builder now = new Builder(item.name()).kind(item.kind());
+        if (!item.physical().isEmpty()) {
+            now.placed = true;
+            now.shape = item.physical().shape();
+            now.colour = item.physical().colour();
+            now.location = item.physical().location();
+            now.orientation = item.physical().orientation();
+        }
+        now.symbols.putAll(item.symbols().given());
+        now.actions.addAll(item.symbols().actions());
+        for (String name : item.physics().properties()) {
+            Column column = item.table().physicsColumn(name);
+            if (column.type() == ScalarType.REF) {
+                now.references.put(name, item.physics().references(name).stream()
+                        .map(target -> item.world().item(target).name()).toList());
+            } else if (!Values.isZero(item.physics().vector(name))) {
+                now.numbers.put(name, item.physics().vector(name));
+            }
+        }
+        if (now.numbers.isEmpty() && now.references.isEmpty() && !item.physics().isEmpty()) {
+            String first = item.physics().properties().iterator().next();
+            now.numbers.put(first, item.physics().vector(first));
+        }
+        return now.build();
+    }
+
     /** The same item under another name, for templates. */
     public ItemDefinition renamed(String newName) {
         Builder copy = new Builder(newName);

@@ -6,6 +6,7 @@ import java.util.Arrays;
 final class Values {
 
     static final int MAX_TEXT = 4096;
+    private static final double UNIT_TOLERANCE = 1e-6;
 
     private Values() {}
 
@@ -16,6 +17,16 @@ final class Values {
                         at(item, property) + "is " + text(values) + ", expected finite numbers");
             }
         }
+    }
+
+    /** Whether all are +0, which columns hold that nobody wrote to. */
+    static boolean isZero(double... values) {
+        for (double value : values) {
+            if (Double.doubleToRawLongBits(value) != 0) {
+                return false;
+            }
+        }
+        return true;
     }
 
     /** Checks number of components, finiteness and range against a numeric property. */
@@ -40,7 +51,8 @@ final class Values {
     }
 
     /**
-     * The quaternion scaled to length 1.
+     * The quaternion scaled to length 1; to the bit the same if its squared length is that already
+     * within {@link #UNIT_TOLERANCE}, as that of a rotation that was normalised in 32 bits.
      *
      * @param xyzw four numbers of any length but 0
      */
@@ -57,6 +69,9 @@ final class Values {
         double sum = 0;
         for (double value : xyzw) {
             sum += value / largest * (value / largest);
+        }
+        if (Math.abs(sum * largest * largest - 1) <= UNIT_TOLERANCE) {
+            return xyzw;
         }
         double[] unit = new double[xyzw.length];
         for (int i = 0; i < unit.length; i++) {

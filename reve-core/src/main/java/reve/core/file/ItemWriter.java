@@ -1,0 +1,209 @@
+package reve.core.file;
+
+import java.nio.FloatBuffer;
+import java.nio.IntBuffer;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.TreeMap;
+import reve.core.world.Action;
+import reve.core.world.Colour;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Mesh;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.Shape;
+import reve.core.world.WorldPrototype;
+
+/**
+ * Items as text of a world file, always the same text for the same item; {@link
+ * WorldFile#parseItem} reads it back to the bit. What an item has by default, such as properties
+ * that are 0, is left out. Immutable, any thread.
+ */
+public final class ItemWriter {
+    private final WorldPrototype prototype;
+
+    /** @param prototype of the world that the items belong to */
+    public ItemWriter(WorldPrototype prototype) {
+        this.prototype = prototype;
+    }
+
+    /**
+     * All four aspects.
+     *
+     * @throws IllegalArgumentException naming item and action if it has an action that no world
+     *     file can declare
+     */
+    public String write(ItemDefinition item) {
+        return YamlWriter.write(tree(item));
+    }
+
+    /** Only what is symbolic: name, kind, shape, symbols and actions; throws as above. */
+    public String write(ItemSymbols item) {
+        Map<String, Object> tree = named(item.name(), item.kind());
+        putIfAny(tree, "physical", shape(item.shape()));
+        putIfAny(tree, "semantic", symbols(item.given()));
+        putIfAny(tree, "access", actions(item.name(), item.actions()));
+        return YamlWriter.write(tree);
+    }
+
+    Map<String, Object> tree(ItemDefinition item) {
+        Map<String, Object> tree = named(item.name(), item.kind());
+        putAspects(tree, item);
+        return tree;
+    }
+
+    /** An item without name and kind, as {@code agents.body} has it. */
+    Map<String, Object> template(ItemDefinition item) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        putAspects(tree, item);
+        return tree;
+    }
+
+    private static Map<String, Object> named(String name, String kind) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", name);
+        if (!kind.equals(WorldPrototype.BODY)) {
+            tree.put("kind", kind);
+        }
+        return tree;
+    }
+
+    private void putAspects(Map<String, Object> tree, ItemDefinition item) {
+        putIfAny(tree, "physical", physical(item));
+        putIfAny(tree, "semantic", symbols(item.symbols()));
+        putIfAny(tree, "access", actions(item.name(), item.actions()));
+        putIfAny(tree, "physics", physics(item));
+    }
+
+    private static void putIfAny(Map<String, Object> tree, String key, Map<String, Object> aspect) {
+        if (!aspect.isEmpty()) {
+            tree.put(key, aspect);
+        }
+    }
+
+    private Map<String, Object> physical(ItemDefinition item) {
+        Map<String, Object> aspect = shape(item.shape());
+        if (!item.colour().equals(Colour.DEFAULT)) {
+            String colour = item.colour().toString();
+            aspect.put("colour", colour.endsWith("ff") ? colour.substring(0, 7) : colour);
+        }
+        if (!isZero(item.location())) {
+            aspect.put("location", numbers(prototype.realType(), item.location()));
+        }
+        double[] turn = item.orientation();
+        if (!isZero(turn[0], turn[1], turn[2]) || turn[3] != 1) {
+            aspect.put("orientation", numbers(prototype.realType(), turn));
+        }
+        return aspect;
+    }
+
+    private static Map<String, Object> shape(Shape shape) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        switch (shape) {
+            case Shape.None none -> { }
+            case Shape.Sphere sphere -> {
+                tree.put("shape", "sphere");
+                tree.put("radius", YamlWriter.Numeral.of(sphere.radius()));
+            }
+            case Shape.Box box -> {
+                tree.put("shape", "box");
+                tree.put("size", numbers(ScalarType.F64, box.x(), box.y(), box.z()));
+            }
+            case Shape.Plane plane -> {
+                tree.put("shape", "plane");
+                tree.put("size", numbers(ScalarType.F64, plane.x(), plane.z()));
+            }
+            case Mesh mesh -> {
+                tree.put("shape", "mesh");
+                tree.put("vertices", vertices(mesh.vertices()));
+                tree.put("triangles", triangles(mesh.triangles()));
+            }
+        }
+        return tree;
+    }
+
+    private static List<Object> vertices(FloatBuffer coordinates) {
+        List<Object> points = new ArrayList<>();
+        while (coordinates.hasRemaining()) {
+            points.add(numbers(ScalarType.F32, coordinates.get(), coordinates.get(),
+                    coordinates.get()));
+        }
+        return points;
+    }
+
+    private static List<Object> triangles(IntBuffer indices) {
+        List<Object> corners = new ArrayList<>();
+        while (indices.hasRemaining()) {
+            corners.add(numbers(ScalarType.I32, indices.get(), indices.get(), indices.get()));
+        }
+        return corners;
+    }
+
+    private static Map<String, Object> symbols(Map<String, Object> symbols) {
+        Map<String, Object> aspect = new TreeMap<>();
+        symbols.forEach((name, value) -> aspect.put(name,
+                value instanceof Double number ? YamlWriter.Numeral.of(number) : value));
+        return aspect;
+    }
+
+    private static Map<String, Object> actions(String item, List<Action> actions) {
+        Map<String, Object> aspect = new LinkedHashMap<>();
+        for (Action action : actions) {
+            try {
+                aspect.put(action.name(), ActionWriter.tree(action));
+            } catch (IllegalArgumentException refused) {
+                throw new IllegalArgumentException("item " + item + ": " + refused.getMessage());
+            }
+        }
+        return aspect;
+    }
+
+    /** In the order of the prototype; an aspect of zeros is told by the kind's first property. */
+    private Map<String, Object> physics(ItemDefinition item) {
+        Map<String, Object> aspect = new LinkedHashMap<>();
+        List<PropertyDescriptor> properties = prototype.properties().stream()
+                .filter(property -> property.kind().equals(item.kind())).toList();
+        for (PropertyDescriptor property : properties) {
+            List<String> targets = item.references().getOrDefault(property.name(), List.of());
+            if (!targets.isEmpty()) {
+                aspect.put(property.name(), targets.size() == 1 ? targets.getFirst() : targets);
+            }
+            item.physics(property.name()).filter(values -> !isZero(values)).ifPresent(
+                    values -> aspect.put(property.name(), quantity(property.type(), values)));
+        }
+        if (aspect.isEmpty() && item.hasPhysics()) {
+            PropertyDescriptor first = properties.getFirst();
+            aspect.put(first.name(), quantity(first.type(), new double[first.components()]));
+        }
+        return aspect;
+    }
+
+    private static boolean isZero(double... values) {
+        for (double value : values) {
+            if (Double.doubleToRawLongBits(value) != 0) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    static Object quantity(ScalarType type, double... values) {
+        return values.length == 1 ? numeral(type, values[0]) : numbers(type, values);
+    }
+
+    private static List<Object> numbers(ScalarType type, double... values) {
+        List<Object> numerals = new ArrayList<>(values.length);
+        for (double value : values) {
+            numerals.add(numeral(type, value));
+        }
+        return numerals;
+    }
+
+    private static YamlWriter.Numeral numeral(ScalarType type, double value) {
+        return type == ScalarType.F32 ? YamlWriter.Numeral.of((float) value)
+                : YamlWriter.Numeral.of(value);
+    }
+}

@@ -1,0 +1,143 @@
+package reve.core.file;
+
+import java.util.Collection;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import org.snakeyaml.engine.v2.api.DumpSettings;
+import org.snakeyaml.engine.v2.api.StreamDataWriter;
+import org.snakeyaml.engine.v2.common.FlowStyle;
+import org.snakeyaml.engine.v2.common.ScalarStyle;
+import org.snakeyaml.engine.v2.emitter.Emitter;
+import org.snakeyaml.engine.v2.events.DocumentEndEvent;
+import org.snakeyaml.engine.v2.events.DocumentStartEvent;
+import org.snakeyaml.engine.v2.events.ImplicitTuple;
+import org.snakeyaml.engine.v2.events.MappingEndEvent;
+import org.snakeyaml.engine.v2.events.MappingStartEvent;
+import org.snakeyaml.engine.v2.events.ScalarEvent;
+import org.snakeyaml.engine.v2.events.SequenceEndEvent;
+import org.snakeyaml.engine.v2.events.SequenceStartEvent;
+import org.snakeyaml.engine.v2.events.StreamEndEvent;
+import org.snakeyaml.engine.v2.events.StreamStartEvent;
+import org.snakeyaml.engine.v2.nodes.Tag;
+import org.snakeyaml.engine.v2.resolver.CoreScalarResolver;
+import org.snakeyaml.engine.v2.resolver.ScalarResolver;
+
+/**
+ * Mappings, lists, texts, numbers and truth values to YAML that {@link YamlReader} reads back to the
+ * bit: always the same text for the same values. What holds a mapping stands on lines of its own,
+ * anything else on one line.
+ */
+final class YamlWriter {
+    private static final int WIDTH = 100;
+    private static final double LARGEST_WRITTEN_AS_INTEGER = 1e15;
+    private static final DumpSettings SETTINGS = DumpSettings.builder().setWidth(WIDTH)
+            .setIndicatorIndent(2).setIndentWithIndicator(true).build();
+    private static final ImplicitTuple NO_TAG = new ImplicitTuple(true, true);
+    private static final ImplicitTuple QUOTED = new ImplicitTuple(false, true);
+
+    private final ScalarResolver resolver = new CoreScalarResolver(false);
+    private final Emitter emitter;
+
+    private YamlWriter(StringBuilder out) {
+        emitter = new Emitter(SETTINGS, new StreamDataWriter() {
+            @Override
+            public void write(String text) {
+                out.append(text);
+            }
+
+            @Override
+            public void write(String text, int offset, int length) {
+                out.append(text, offset, offset + length);
+            }
+        });
+    }
+
+    /** A number as it is written in lists and mappings. */
+    record Numeral(String text) {
+        /** The shortest text that is read as exactly this number. */
+        static Numeral of(double value) {
+            boolean negativeZero = value == 0 && 1 / value < 0;
+            boolean integer = value == Math.rint(value) && !negativeZero
+                    && Math.abs(value) < LARGEST_WRITTEN_AS_INTEGER;
+            return new Numeral(integer ? Long.toString((long) value) : Double.toString(value));
+        }
+
+        /** As {@link #of(double)} for what is kept as a 32-bit real. */
+        static Numeral of(float value) {
+            double shortest = Double.parseDouble(Float.toString(value));
+            return of((float) shortest == value ? shortest : value);
+        }
+    }
+
+    /** @param tree maps with texts as keys, collections, String, Boolean and {@link Numeral} */
+    static String write(Map<String, ?> tree) {
+        var out = new StringBuilder();
+        var writer = new YamlWriter(out);
+        writer.emitter.emit(new StreamStartEvent());
+        writer.emitter.emit(new DocumentStartEvent(false, Optional.empty(), Map.of()));
+        writer.value(tree);
+        writer.emitter.emit(new DocumentEndEvent(false));
+        writer.emitter.emit(new StreamEndEvent());
+        return out.toString();
+    }
+
+    private void value(Object value) {
+        switch (value) {
+            case Map<?, ?> mapping -> {
+                emitter.emit(new MappingStartEvent(Optional.empty(), Optional.empty(), true,
+                        style(mapping.values())));
+                mapping.forEach((key, field) -> {
+                    text((String) key);
+                    value(field);
+                });
+                emitter.emit(new MappingEndEvent());
+            }
+            case Collection<?> list -> {
+                emitter.emit(new SequenceStartEvent(Optional.empty(), Optional.empty(), true,
+                        list.stream().anyMatch(Map.class::isInstance) ? FlowStyle.BLOCK
+                                : style(list)));
+                list.forEach(this::value);
+                emitter.emit(new SequenceEndEvent());
+            }
+            case Numeral number -> plain(number.text());
+            case Boolean truth -> plain(truth.toString());
+            case String text -> text(text);
+            default -> throw new IllegalArgumentException("cannot write " + value.getClass());
+        }
+    }
+
+    private static FlowStyle style(Collection<?> values) {
+        return values.stream().anyMatch(YamlWriter::holdsMapping) ? FlowStyle.BLOCK
+                : FlowStyle.FLOW;
+    }
+
+    private static boolean holdsMapping(Object value) {
+        return value instanceof Map<?, ?> || value instanceof List<?> list
+                && list.stream().anyMatch(YamlWriter::holdsMapping);
+    }
+
+    private void plain(String text) {
+        scalar(text, NO_TAG, ScalarStyle.PLAIN);
+    }
+
+    /** In quotes where it would be taken for a number, a truth value or nothing. */
+    private void text(String text) {
+        if (!text.codePoints().allMatch(YamlWriter::isPlain)) {
+            scalar(text, QUOTED, ScalarStyle.DOUBLE_QUOTED);
+        } else if (text.isEmpty() || !resolver.resolve(text, true).equals(Tag.STR)) {
+            scalar(text, QUOTED, ScalarStyle.SINGLE_QUOTED);
+        } else {
+            plain(text);
+        }
+    }
+
+    /** What can be seen and is one character to everybody. */
+    private static boolean isPlain(int codePoint) {
+        return codePoint >= ' ' && codePoint <= '~' || Character.isLetterOrDigit(codePoint);
+    }
+
+    private void scalar(String text, ImplicitTuple tag, ScalarStyle style) {
+        emitter.emit(new ScalarEvent(Optional.empty(), Optional.empty(), tag, text, style));
+    }
+}
