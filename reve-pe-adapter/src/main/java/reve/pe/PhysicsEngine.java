@@ -1,5 +1,7 @@
 package reve.pe;
 
+import java.io.IOException;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
@@ -27,6 +29,22 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /** Opens and checks the law library in a file, like {@link #prepare(String)}. */
     PreparedLibrary prepare(Path file);
+
+    /** Opens and checks the law library that these bytes are, like {@link #prepare(String)}. */
+    default PreparedLibrary prepare(byte[] library) {
+        try {
+            Path copy = Files.createTempFile("reve-law-", ".so");
+            try {
+                Files.write(copy, library);
+                return prepare(copy);
+            } finally {
+                Files.delete(copy);
+            }
+        } catch (IOException e) {
+            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED,
+                "a law library could not be written to a temporary file to be opened: " + e);
+        }
+    }
 
     /**
      * Activates a prepared library, between frames. Takes it on success only.
@@ -70,6 +88,20 @@ public interface PhysicsEngine extends AutoCloseable {
 
     /** Steps done since the engine was made. */
     long stepCount();
+
+    /**
+     * What lives in the engine and in no array of the client: the step count, and what laws
+     * remember of each row. With the arrays it continues a run to the bit, in this process or
+     * another one. A copy; between frames.
+     */
+    byte[] saveState();
+
+    /**
+     * Takes over a saved state; the client restores the arrays that belong to it. Nothing changes
+     * if it is damaged (INVALID_ARGUMENT) or of another prototype or other laws than those that are
+     * loaded (ACCESS_CONFLICT).
+     */
+    void loadState(byte[] state);
 
     /** Hash of step count and bound properties: equal hashes mean equal states. */
     long stateHash();

@@ -12,6 +12,9 @@ public interface PreparedLibrary extends AutoCloseable {
     /** SHA-256 of the library's bytes, 64 lower-case hexadecimal digits. */
     String sha256();
 
+    /** The library's bytes; the caller does not change them. */
+    byte[] bytes();
+
     /** Drops the library if no engine took it. May be called twice. */
     @Override
     void close();

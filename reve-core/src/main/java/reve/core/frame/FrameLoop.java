@@ -33,6 +33,7 @@ public final class FrameLoop {
     private final AtomicLong frames = new AtomicLong();
     private final FrameClock clock;
     private boolean begun;
+    private boolean making;
     private volatile boolean stopped;
     private volatile @Nullable Thread runner;
 
@@ -63,6 +64,25 @@ public final class FrameLoop {
         publish(frame);
         add(busyNanoseconds, clock.nanoTime() - start);
         frames.setRelease(frame);
+    }
+
+    /**
+     * The world has become that of another frame: the next to be made is the one after it, and
+     * before it this one is derived and published. World's thread, between frames.
+     *
+     * @param frame 0 or more
+     * @throws IllegalStateException if a frame is being made
+     */
+    public void continueAfter(long frame) {
+        if (making) {
+            throw new IllegalStateException("frame " + (frame() + 1) + " is being made; continue "
+                    + "after frame " + frame + " when it is done");
+        }
+        if (frame < 0) {
+            throw new IllegalArgumentException("frame is " + frame + ", expected 0 or more");
+        }
+        frames.setRelease(frame);
+        begun = false;
     }
 
     /**
@@ -115,8 +135,8 @@ public final class FrameLoop {
     private void begin() {
         if (!begun) {
             begun = true;
-            dispatch(0, FramePhase.DERIVE);
-            publish(0);
+            dispatch(frame(), FramePhase.DERIVE);
+            publish(frame());
         }
     }
 
@@ -134,7 +154,9 @@ public final class FrameLoop {
         } else {
             world.lockStructure(phase.name());
         }
+        making = true;
         bus.dispatch(event);
+        making = false;
         int index = phase.ordinal();
         phaseNanoseconds.setRelease(index,
                 phaseNanoseconds.getPlain(index) + clock.nanoTime() - start);

@@ -1,5 +1,7 @@
 package reve.core.world;
 
+import java.lang.foreign.Arena;
+import java.lang.foreign.MemorySegment;
 import java.lang.invoke.VarHandle;
 import java.util.ArrayList;
 import java.util.List;
@@ -15,6 +17,8 @@ import org.pcollections.TreePMap;
  */
 final class SnapshotSlot {
 
+    private static final long ALIGNMENT_BYTES = 64;
+
     private final List<TableCopy> tables;
     private final AtomicInteger readers = new AtomicInteger();
     private final AtomicLong stamp = new AtomicLong();
@@ -24,7 +28,8 @@ final class SnapshotSlot {
     private List<WorldEvent> events = List.of();
 
     SnapshotSlot(World world) {
-        tables = world.tables().stream().map(TableCopy::new).toList();
+        tables = world.tables().stream()
+                .map(table -> new TableCopy(table, SnapshotSlot::allocate)).toList();
     }
 
     boolean isFree() {
@@ -44,7 +49,7 @@ final class SnapshotSlot {
         symbols = world.symbols();
         events = world.events();
         for (int i = 0; i < tables.size(); i++) {
-            tables.get(i).copyFromTable();
+            tables.get(i).copyFrom(world.tables().get(i));
         }
         stamp.setRelease(writing + 1);
     }
@@ -73,5 +78,10 @@ final class SnapshotSlot {
 
     void release() {
         readers.decrementAndGet();
+    }
+
+    /** Collected with the last snapshot that reads it: a reader may still hold the old one. */
+    private static MemorySegment allocate(long bytes) {
+        return Arena.ofAuto().allocate(bytes, ALIGNMENT_BYTES);
     }
 }

@@ -6,6 +6,8 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.function.LongFunction;
+import java.util.stream.Stream;
 import reve.core.unit.Unit;
 
 /** The live rows of one kind. World's thread only; rows come and go through {@link World}. */
@@ -17,6 +19,7 @@ public final class Table implements TableView {
     private final String kind;
     private final Column ids;
     private final List<Column> columns;
+    private final List<Column> allColumns;
     private final List<Column> references;
     private final Map<String, Column> byName = new LinkedHashMap<>();
     private final Map<String, Column> physicsByName = new LinkedHashMap<>();
@@ -42,6 +45,7 @@ public final class Table implements TableView {
         }
         byName.putAll(physicsByName);
         columns = List.copyOf(byName.values());
+        allColumns = Stream.concat(Stream.of(ids), columns.stream()).toList();
         references = columns.stream().filter(column -> column.type() == ScalarType.REF).toList();
     }
 
@@ -86,8 +90,9 @@ public final class Table implements TableView {
         return items[row].symbols().shape();
     }
 
-    Column ids() {
-        return ids;
+    /** The ids of the items, then {@link #columns()}. */
+    List<Column> allColumns() {
+        return allColumns;
     }
 
     Column physicsColumn(String name) {
@@ -153,6 +158,23 @@ public final class Table implements TableView {
         grow(ids, capacity);
         columns.forEach(column -> grow(column, capacity));
         items = Arrays.copyOf(items, capacity);
+    }
+
+    /** Takes over all rows of a copy; the items are told where they are. */
+    void restore(TableCopy copy, LongFunction<Item> itemById) {
+        makeRoom(copy.rowCount());
+        setRowCount(copy.rowCount());
+        physicsRowCount = copy.physicsRowCount();
+        for (int i = 0; i < allColumns.size(); i++) {
+            MemorySegment.copy(copy.column(i), 0, allColumns.get(i).segment(), 0,
+                    copy.column(i).byteSize());
+            allColumns.get(i).touch();
+        }
+        Arrays.fill(items, null);
+        for (int row = 0; row < rowCount; row++) {
+            items[row] = itemById.apply(ids.getReference(row, 0));
+            items[row].row = row;
+        }
     }
 
     private void grow(Column column, int capacity) {

@@ -1,44 +1,88 @@
 package reve.core.world;
 
-import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.List;
+import java.util.function.LongFunction;
 
-/** The memory of one table in one slot: written by the world's thread, read by everybody. */
-final class TableCopy {
+/**
+ * A copy of the rows of one table, column by column: in a slot of a {@link SnapshotRing}, written
+ * by the world's thread and read by everybody, or in a {@link WorldImage}.
+ */
+public final class TableCopy {
 
-    private static final long ALIGNMENT_BYTES = 64;
-
-    private final Table table;
-    private final List<Column> sources;
+    private final String kind;
+    private final List<PropertyDescriptor> properties;
+    private final LongFunction<MemorySegment> allocate;
     private final MemorySegment[] memories;
     private int rowCount;
     private int physicsRowCount;
 
-    TableCopy(Table table) {
-        this.table = table;
-        this.sources = new ArrayList<>(table.columns());
-        this.sources.addFirst(table.ids());
-        this.memories = new MemorySegment[sources.size()];
+    /** @param allocate gives memory for that many bytes; what is outgrown is left to its owner */
+    TableCopy(Table table, LongFunction<MemorySegment> allocate) {
+        this.kind = table.kind();
+        this.properties = table.allColumns().stream().map(Column::descriptor).toList();
+        this.allocate = allocate;
+        this.memories = new MemorySegment[properties.size()];
+        Arrays.fill(memories, MemorySegment.NULL);
+    }
+
+    public String kind() {
+        return kind;
+    }
+
+    public int rowCount() {
+        return rowCount;
+    }
+
+    /** How many rows, the first ones, take part in physics. */
+    public int physicsRowCount() {
+        return physicsRowCount;
+    }
+
+    /** What each column is, in a fixed order; the first holds the items' ids. */
+    public List<PropertyDescriptor> properties() {
+        return properties;
+    }
+
+    /** The used rows of a column (rows x components), packed, in native byte order. */
+    public MemorySegment column(int index) {
+        return memories[index].asSlice(0, bytes(index, rowCount));
+    }
+
+    /** Bytes of all used rows. */
+    public long bytes() {
+        long sum = 0;
         for (int i = 0; i < memories.length; i++) {
-            memories[i] = MemorySegment.NULL;
+            sum += bytes(i, rowCount);
         }
+        return sum;
+    }
+
+    /** Makes room for rows whose values the caller writes next; the old values are gone. */
+    public void resize(int rows, int physicsRows) {
+        if (rows < 0 || physicsRows < 0 || physicsRows > rows) {
+            throw new IllegalArgumentException("table " + kind + " of " + rows + " rows, of which "
+                    + physicsRows + " are physical");
+        }
+        for (int i = 0; i < memories.length; i++) {
+            makeRoom(i, bytes(i, rows), bytes(i, rows));
+        }
+        rowCount = rows;
+        physicsRowCount = physicsRows;
     }
 
     /** Copies the used rows; allocates only when the live column has outgrown the copy. */
-    void copyFromTable() {
+    void copyFrom(Table table) {
+        List<Column> sources = table.allColumns();
         rowCount = table.rowCount();
         physicsRowCount = table.physicsRowCount();
         for (int i = 0; i < memories.length; i++) {
-            Column source = sources.get(i);
-            long bytes = (long) rowCount * source.descriptor().rowBytes();
-            if (memories[i].byteSize() < bytes) {
-                // Collected with the last snapshot that reads it: a reader may still hold the old
-                // one.
-                memories[i] = Arena.ofAuto().allocate(source.memory().byteSize(), ALIGNMENT_BYTES);
-            }
-            MemorySegment.copy(source.memory(), 0, memories[i], 0, bytes);
+            MemorySegment source = sources.get(i).memory();
+            long bytes = bytes(i, rowCount);
+            makeRoom(i, bytes, source.byteSize());
+            MemorySegment.copy(source, 0, memories[i], 0, bytes);
         }
     }
 
@@ -50,12 +94,22 @@ final class TableCopy {
         int rows = rowCount;
         List<ColumnSnapshot> columns = new ArrayList<>(memories.length);
         for (int i = 0; i < memories.length; i++) {
-            PropertyDescriptor property = sources.get(i).descriptor();
+            PropertyDescriptor property = properties.get(i);
             MemorySegment memory = memories[i];
             long fitting = memory.byteSize() / property.rowBytes();
             columns.add(new ColumnSnapshot(property, memory, (int) Math.min(rows, fitting)));
         }
-        return new TableSnapshot(table.kind(), rows, physicsRowCount, columns.getFirst(),
+        return new TableSnapshot(kind, rows, physicsRowCount, columns.getFirst(),
                 columns.subList(1, columns.size()));
+    }
+
+    private long bytes(int column, int rows) {
+        return (long) rows * properties.get(column).rowBytes();
+    }
+
+    private void makeRoom(int column, long atLeast, long wanted) {
+        if (memories[column].byteSize() < atLeast) {
+            memories[column] = allocate.apply(wanted);
+        }
     }
 }

@@ -133,6 +133,35 @@ public final class World {
         new ArrayList<>(doomed).reversed().forEach(this::delete);
     }
 
+    /**
+     * Becomes, to the bit, the world that an image was copied from. Items of the same id stay the
+     * same objects; those that the image does not have count as removed.
+     *
+     * @param image of a world of the same prototype
+     * @throws IllegalArgumentException naming what differs if the prototype is another
+     * @throws IllegalStateException naming the phase if the structure is locked
+     */
+    public void restore(WorldImage image) {
+        requireUnlocked("restore an image");
+        for (int i = 0; i < tables.size(); i++) {
+            requireSameColumns(tables.get(i), image.tables().get(i));
+        }
+        items.values().forEach(item -> item.row = Item.REMOVED);
+        Map<ItemId, Item> restored = new LinkedHashMap<>();
+        image.symbols().forEach((id, itemSymbols) -> restored.put(id, revive(itemSymbols)));
+        items.clear();
+        items.putAll(restored);
+        itemsByName.clear();
+        items.values().forEach(item -> itemsByName.put(item.name(), item));
+        symbols = image.symbols();
+        lastId = image.lastId();
+        for (int i = 0; i < tables.size(); i++) {
+            tables.get(i).restore(image.tables().get(i), id -> item(new ItemId(id)));
+        }
+        tables.forEach(this::countReferences);
+        layoutVersion++;
+    }
+
     public Optional<Item> find(String itemName) {
         checkOwner();
         return Optional.ofNullable(itemsByName.get(itemName));
@@ -253,6 +282,10 @@ public final class World {
         return events.isEmpty() ? List.of() : List.copyOf(events);
     }
 
+    long lastId() {
+        return lastId;
+    }
+
     void checkOwner() {
         if (CHECK_THREAD && Thread.currentThread() != owner) {
             throw new IllegalStateException("world " + name + " belongs to thread "
@@ -313,6 +346,41 @@ public final class World {
             column.setReference(item.row, i, targets.get(i).value());
             count(targets.get(i).value(), 1);
         }
+    }
+
+    /** The item of that id and kind if it is there, else a new object; in no row yet. */
+    private Item revive(ItemSymbols itemSymbols) {
+        Item item = items.get(itemSymbols.id());
+        if (item == null || !item.kind().equals(itemSymbols.kind())) {
+            item = new Item(this, table(itemSymbols.kind()), itemSymbols);
+        }
+        item.setSymbols(itemSymbols);
+        item.referrers = 0;
+        return item;
+    }
+
+    private void countReferences(Table table) {
+        for (Column column : table.references()) {
+            for (int row = 0; row < table.physicsRowCount(); row++) {
+                for (int i = 0; i < column.components(); i++) {
+                    count(column.getReference(row, i), 1);
+                }
+            }
+        }
+    }
+
+    private static void requireSameColumns(Table table, TableCopy copy) {
+        List<PropertyDescriptor> expected =
+                table.allColumns().stream().map(Column::descriptor).toList();
+        if (!table.kind().equals(copy.kind()) || !expected.equals(copy.properties())) {
+            throw new IllegalArgumentException("the image is of a world with another prototype: "
+                    + "kind " + copy.kind() + " has the properties " + names(copy.properties())
+                    + ", expected kind " + table.kind() + " with " + names(expected));
+        }
+    }
+
+    private static List<String> names(List<PropertyDescriptor> properties) {
+        return properties.stream().map(PropertyDescriptor::name).toList();
     }
 
     /** Reserves memory before anything is added, because only that can still fail. */

@@ -2,6 +2,7 @@ package reve.core.frame;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+import static org.assertj.core.api.Assertions.catchThrowable;
 
 import java.util.ArrayList;
 import java.util.List;
@@ -120,6 +121,32 @@ class FrameLoopTest {
         assertThat(starts.get(99)).isEqualTo(99 * 20 * MILLISECOND);
         assertThat(loop.profile().overruns()).isEqualTo(100);
         assertThat(loop.profile().droppedFrames()).isEqualTo(96);
+    }
+
+    @Test
+    void itContinuesAfterAnyFrameWhichItPublishesFirst() {
+        List<String> published = new ArrayList<>();
+        bus.subscribe(FramePhase.PUBLISH, "notes",
+                event -> published.add(event.frame() + " at " + event.timeSeconds()));
+        FrameLoop loop = loop(new Timing(10, 1), Pacing.FAST);
+        loop.run(2);
+        loop.continueAfter(40);
+        loop.run(1);
+        assertThat(published).containsExactly("0 at 0.0", "1 at 0.1", "2 at 0.2", "40 at 4.0",
+                "41 at 4.1000000000000005");
+        assertThat(loop.frame()).isEqualTo(41);
+        assertThatIllegalArgumentException().isThrownBy(() -> loop.continueAfter(-1));
+    }
+
+    @Test
+    void aFrameThatIsBeingMadeIsNotLeft() {
+        FrameLoop loop = loop(new Timing(10, 1), Pacing.FAST);
+        List<Throwable> refusals = new ArrayList<>();
+        bus.subscribe(FramePhase.ACT, "jump",
+                event -> refusals.add(catchThrowable(() -> loop.continueAfter(0))));
+        loop.run(1);
+        assertThat(refusals).singleElement().isInstanceOf(IllegalStateException.class);
+        assertThat(loop.frame()).isEqualTo(1);
     }
 
     @Test

@@ -4,9 +4,11 @@ import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Queue;
 import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
+import java.util.stream.Collectors;
 import org.jspecify.annotations.Nullable;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
@@ -85,9 +87,11 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /** Activates a file's library in place of what the file held before. */
-    void put(long frame, String name, PreparedLibrary library, PreparedLibrary spare,
-             byte[] bytes) {
+    void put(long frame, String name, PreparedLibrary library, PreparedLibrary spare) {
         ActiveFile old = byName.get(name);
+        if (old == null && adopted(name, library, spare)) {
+            return;
+        }
         boolean replaces = old != null && laws.isLoaded(old.libraryId);
         if (replaces && old.sha256.equals(library.sha256())) {
             drop(library);
@@ -101,7 +105,7 @@ final class FolderLaws implements AutoCloseable {
             if (old != null) {
                 drop(old.spare);
             }
-            byName.put(name, new ActiveFile(id, library.sha256(), spare, bytes));
+            byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));
         } catch (PhysicsException refusal) {
             drop(library);
             drop(spare);
@@ -110,6 +114,19 @@ final class FolderLaws implements AutoCloseable {
                 refuse(frame, name, (PhysicsException) followed);
             }
         }
+    }
+
+    /** Takes charge of the same library where it acts already: a resumed world brought it along. */
+    private boolean adopted(String name, PreparedLibrary library, PreparedLibrary spare) {
+        Set<Integer> owned = byName.values().stream().map(ActiveFile::libraryId)
+            .collect(Collectors.toSet());
+        Optional<Integer> free = laws.restored(library.sha256()).stream()
+            .filter(id -> !owned.contains(id)).findFirst();
+        free.ifPresent(id -> {
+            byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));
+            drop(library);
+        });
+        return free.isPresent();
     }
 
     /** Unloads what a removed file held. */

@@ -193,7 +193,7 @@ public final class LawFolder implements AutoCloseable {
     }
 
     private void settle(String name, Path path, BasicFileAttributes attributes,
-                        WatchedFile file) throws IOException {
+                        WatchedFile file) {
         if (!attributes.isRegularFile()) {
             file.refuse(new PhysicsException(Status.INVALID_ARGUMENT, path
                 + " is ignored: expected a regular file, found "
@@ -217,20 +217,17 @@ public final class LawFolder implements AutoCloseable {
     }
 
     /** Prepares it twice: the second is what to go back to if a successor is refused. */
-    private void prepareAndOffer(String name, Path path, WatchedFile file)
-            throws IOException {
+    private void prepareAndOffer(String name, Path path, WatchedFile file) {
         PreparedLibrary library = active.track(engine.prepare(path));
         PreparedLibrary spare;
-        byte[] bytes;
         try {
             spare = active.track(engine.prepare(path));
-            bytes = Files.readAllBytes(path);
-        } catch (IOException | RuntimeException e) {
+        } catch (RuntimeException e) {
             active.drop(library);
             throw e;
         }
         file.settled = library.sha256().equals(spare.sha256())
-            && offer(frame -> active.put(frame, name, library, spare, bytes));
+            && offer(frame -> active.put(frame, name, library, spare));
         if (file.settled) {
             file.accepted = true;
         } else {
@@ -244,25 +241,15 @@ public final class LawFolder implements AutoCloseable {
         for (var wanted = active.nextWanted(); wanted != null; wanted = active.nextWanted()) {
             String name = wanted.name();
             try {
-                PreparedLibrary spare = active.track(prepare(wanted.bytes()));
+                PreparedLibrary spare = active.track(engine.prepare(wanted.bytes()));
                 if (!offer(frame -> active.giveSpare(name, spare))) {
                     active.drop(spare);
                     active.want(wanted);
                     return;
                 }
-            } catch (IOException | RuntimeException e) {
+            } catch (RuntimeException e) {
                 warnOnce(name + " cannot be replaced, only removed: " + e.getMessage());
             }
-        }
-    }
-
-    private PreparedLibrary prepare(byte[] bytes) throws IOException {
-        Path copy = Files.createTempFile("reve-law-", ".so");
-        try {
-            Files.write(copy, bytes);
-            return engine.prepare(copy);
-        } finally {
-            Files.delete(copy);
         }
     }
 

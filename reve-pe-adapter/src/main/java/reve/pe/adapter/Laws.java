@@ -1,9 +1,12 @@
 package reve.pe.adapter;
 
+import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
+import java.util.function.Consumer;
 import java.util.stream.Collectors;
 import reve.core.world.Item;
 import reve.core.world.World;
@@ -21,12 +24,11 @@ import reve.pe.PreparedLibrary;
 public final class Laws {
     private final World world;
     private final PhysicsEngine engine;
-    private final Map<Integer, Loaded> loaded = new LinkedHashMap<>();
+    private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
+    private final Set<Integer> restored = new HashSet<>();
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
+    private Consumer<LawChange> listener = change -> { };
     private long version;
-
-    private record Loaded(String library, String sha256) {
-    }
 
     Laws(World world, PhysicsEngine engine) {
         this.world = world;
@@ -51,8 +53,10 @@ public final class Laws {
                 + "' is in quarantine since frame " + reason.frame() + ": " + reason.message());
         }
         int id = engine.loadPhysicsLaw(prepared, parameters);
-        loaded.put(id, new Loaded(library, sha256));
+        LawLibrary added = LawLibrary.of(prepared, parameters);
+        loaded.put(id, added);
         version++;
+        listener.accept(new LawChange.Loaded(added));
         Map<String, Object> fields = fields(library, sha256);
         fields.put("laws", engine.laws().stream().filter(law -> law.libraryId() == id)
             .map(PhysicsLaw::name).collect(Collectors.joining(", ")));
@@ -73,14 +77,14 @@ public final class Laws {
      * @throws IllegalArgumentException if it is not loaded
      */
     public void unload(long frame, int libraryId) {
-        Loaded library = loaded.get(libraryId);
+        LawLibrary library = loaded.get(libraryId);
         if (library == null) {
             throw new IllegalArgumentException("law library " + libraryId
                 + " is not loaded; loaded are " + loaded.keySet());
         }
-        Map<String, Object> fields = fields(library.library, library.sha256);
+        Map<String, Object> fields = fields(library.name(), library.sha256());
         addCost(fields, libraryId);
-        drop(libraryId);
+        listener.accept(new LawChange.Unloaded(drop(libraryId)));
         world.raise(new WorldEvent(frame, "law-unloaded", fields));
     }
 
@@ -104,6 +108,75 @@ public final class Laws {
         return quarantined.remove(sha256) != null;
     }
 
+    /** What is loaded, in the order of loading. */
+    public List<LawLibrary> libraries() {
+        return List.copyOf(loaded.values());
+    }
+
+    /** Ids of the loaded libraries with these bytes that came with an image or a journal. */
+    List<Integer> restored(String sha256) {
+        return loaded.entrySet().stream()
+            .filter(library -> library.getValue().sha256().equals(sha256))
+            .map(Map.Entry::getKey).filter(restored::contains).toList();
+    }
+
+    /** Hears of every change from now on, in place of who did before. */
+    public void setListener(Consumer<LawChange> newListener) {
+        listener = newListener;
+    }
+
+    /**
+     * Makes a change that another world with the same laws went through. A library that failed
+     * there is taken out without having failed here.
+     *
+     * @throws PhysicsException if the engine refuses a library
+     * @throws IllegalArgumentException if there is no library in the place
+     */
+    public void apply(long frame, LawChange change) {
+        switch (change) {
+            case LawChange.Loaded added -> {
+                try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
+                    restored.add(load(frame, prepared, added.library().parameters()));
+                }
+            }
+            case LawChange.Unloaded gone -> unload(frame, idAt(gone.place()));
+            case LawChange.Failed failed -> {
+                unload(frame, idAt(failed.place()));
+                quarantined.put(failed.reason().sha256(), failed.reason());
+            }
+        }
+    }
+
+    /**
+     * Loads and unloads until exactly these libraries are loaded, in this order.
+     *
+     * @throws PhysicsException if the engine refuses a library
+     */
+    void restore(long frame, List<LawLibrary> wanted, List<Quarantined> out) {
+        List<LawLibrary> present = libraries();
+        int same = 0;
+        while (same < Math.min(present.size(), wanted.size())
+                && present.get(same).isSame(wanted.get(same))) {
+            same++;
+        }
+        for (int id : List.copyOf(loaded.keySet()).subList(same, loaded.size())) {
+            unload(frame, id);
+        }
+        quarantined.clear();
+        for (LawLibrary library : wanted.subList(same, wanted.size())) {
+            apply(frame, new LawChange.Loaded(library));
+        }
+        out.forEach(reason -> quarantined.put(reason.sha256(), reason));
+    }
+
+    private int idAt(int place) {
+        if (place < 0 || place >= loaded.size()) {
+            throw new IllegalArgumentException("there is no law library in place " + place + ", "
+                + loaded.size() + " are loaded");
+        }
+        return List.copyOf(loaded.keySet()).get(place);
+    }
+
     /** Raised whenever a library was loaded or unloaded. */
     long version() {
         return version;
@@ -116,15 +189,16 @@ public final class Laws {
      * @throws PhysicsException the failure itself, if no loaded library is to blame
      */
     void quarantine(long frame, PhysicsException failure, Optional<Item> item) {
-        Loaded library = loaded.get(failure.libraryId());
+        LawLibrary library = loaded.get(failure.libraryId());
         if (library == null) {
             throw failure;
         }
-        Map<String, Object> fields = fields(library.library, library.sha256);
+        Map<String, Object> fields = fields(library.name(), library.sha256());
         addCost(fields, failure.libraryId());
-        drop(failure.libraryId());
-        quarantined.put(library.sha256, new Quarantined(library.sha256, library.library, frame,
-            failure.status(), String.valueOf(failure.getMessage())));
+        Quarantined reason = new Quarantined(library.sha256(), library.name(), frame,
+            failure.status(), String.valueOf(failure.getMessage()));
+        quarantined.put(library.sha256(), reason);
+        listener.accept(new LawChange.Failed(drop(failure.libraryId()), reason));
         fields.put("law", failure.law());
         fields.put("property", failure.property());
         failure.row().ifPresent(row -> fields.put("row", row));
@@ -139,10 +213,14 @@ public final class Laws {
         world.raise(new WorldEvent(frame, "fault", fields));
     }
 
-    private void drop(int libraryId) {
+    /** Gives the place that the library had in the order of loading. */
+    private int drop(int libraryId) {
         engine.unloadPhysicsLaw(libraryId);
+        int place = List.copyOf(loaded.keySet()).indexOf(libraryId);
         loaded.remove(libraryId);
+        restored.remove(libraryId);
         version++;
+        return place;
     }
 
     /** Adds what a library's laws did while they were loaded: the last chance to tell it. */

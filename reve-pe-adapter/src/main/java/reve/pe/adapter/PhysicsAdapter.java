@@ -91,6 +91,25 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         return engine.stateHash();
     }
 
+    /** What it takes, with an image of the world, to go on to the bit. Between frames. */
+    public PhysicsImage save() {
+        lent.update();
+        return new PhysicsImage(laws.libraries(), laws.quarantined(), engine.saveState());
+    }
+
+    /**
+     * Goes on as the adapter did whose image this is; the world was restored before. Between
+     * frames.
+     *
+     * @param frame the frame that the world is in now
+     * @throws PhysicsException if the engine refuses a library or the state
+     */
+    public void restore(long frame, PhysicsImage image) {
+        laws.restore(frame, image.libraries(), image.quarantined());
+        lent.update();
+        engine.loadState(image.engineState());
+    }
+
     /** Opens or closes the engine's ledger. Between frames. */
     public void setLedger(boolean on) {
         engine.setLedger(on);

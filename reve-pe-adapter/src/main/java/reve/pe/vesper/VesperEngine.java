@@ -1,6 +1,7 @@
 package reve.pe.vesper;
 
 import static java.lang.foreign.ValueLayout.ADDRESS;
+import static java.lang.foreign.ValueLayout.JAVA_BYTE;
 import static java.lang.foreign.ValueLayout.JAVA_DOUBLE;
 import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
@@ -12,6 +13,7 @@ import static reve.pe.vesper.VesperLayouts.offset;
 import java.io.IOException;
 import java.lang.foreign.Arena;
 import java.lang.foreign.MemorySegment;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -194,6 +196,29 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     @Override
+    public byte[] saveState() {
+        checkOpen();
+        provider.checkArraysAlive();
+        try (Arena call = Arena.ofConfined()) {
+            errors.check(VesperLibrary.engineStateSize(engine, out, errors.segment()));
+            MemorySegment state = call.allocate(out.get(JAVA_LONG, 0));
+            errors.check(VesperLibrary.engineSaveState(engine, state, state.byteSize(),
+                errors.segment()));
+            return state.toArray(JAVA_BYTE);
+        }
+    }
+
+    @Override
+    public void loadState(byte[] state) {
+        checkOpen();
+        try (Arena call = Arena.ofConfined()) {
+            MemorySegment copy = call.allocateFrom(JAVA_BYTE, state);
+            errors.check(VesperLibrary.engineLoadState(engine, copy, copy.byteSize(),
+                errors.segment()));
+        }
+    }
+
+    @Override
     public void setLedger(boolean on) {
         checkOpen();
         errors.check(VesperLibrary.engineSetLedger(engine, on ? 1 : 0, errors.segment()));
@@ -242,17 +267,17 @@ public final class VesperEngine implements PhysicsEngine {
         return struct;
     }
 
-    /** The stamps tell whether the bytes that were hashed are those that C copied. */
+    /** The stamps tell whether the bytes that were read are those that C copied. */
     private PreparedLibrary prepareUnchanged(Path file) throws IOException {
         LibraryFile.Stamp before = LibraryFile.stamp(file);
         MemorySegment prepared = prepareCopy(file);
         try {
-            String sha256 = LibraryFile.sha256(file);
+            byte[] bytes = Files.readAllBytes(file);
             if (!LibraryFile.stamp(file).equals(before)) {
                 throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, file
                     + " changed while it was being read; try again when it is complete");
             }
-            return new VesperPreparedLibrary(prepared, sha256);
+            return new VesperPreparedLibrary(prepared, bytes);
         } catch (IOException | RuntimeException e) {
             VesperLibrary.libraryDiscard(prepared);
             throw e;

@@ -69,6 +69,12 @@ final class VesperLibrary {
         ADDRESS, ADDRESS, JAVA_LONG, JAVA_LONG, ADDRESS);
     private static final MethodHandle STEP_COUNT =
         function("vesper_engine_step_count", JAVA_LONG, ADDRESS);
+    private static final MethodHandle STATE_SIZE =
+        function("vesper_engine_state_size", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
+    private static final MethodHandle SAVE_STATE = function("vesper_engine_save_state", JAVA_INT,
+        ADDRESS, ADDRESS, JAVA_LONG, ADDRESS);
+    private static final MethodHandle LOAD_STATE = function("vesper_engine_load_state", JAVA_INT,
+        ADDRESS, ADDRESS, JAVA_LONG, ADDRESS);
     private static final MethodHandle STATE_HASH =
         function("vesper_engine_state_hash", JAVA_INT, ADDRESS, ADDRESS, ADDRESS);
     private static final MethodHandle SET_LEDGER =
@@ -276,6 +282,32 @@ final class VesperLibrary {
     static long engineStepCount(MemorySegment engine) {
         try {
             return (long) STEP_COUNT.invokeExact(engine);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineStateSize(MemorySegment engine, MemorySegment out, MemorySegment error) {
+        try {
+            return (int) STATE_SIZE.invokeExact(engine, out, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineSaveState(MemorySegment engine, MemorySegment out, long size,
+                               MemorySegment error) {
+        try {
+            return (int) SAVE_STATE.invokeExact(engine, out, size, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineLoadState(MemorySegment engine, MemorySegment state, long size,
+                               MemorySegment error) {
+        try {
+            return (int) LOAD_STATE.invokeExact(engine, state, size, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

@@ -8,12 +8,14 @@ import reve.pe.PreparedLibrary;
 final class VesperPreparedLibrary implements PreparedLibrary {
     private final String name;
     private final String sha256;
+    private final byte[] bytes;
     private @Nullable MemorySegment prepared;
 
-    VesperPreparedLibrary(MemorySegment prepared, String sha256) {
+    VesperPreparedLibrary(MemorySegment prepared, byte[] bytes) {
         this.prepared = prepared;
         this.name = VesperStrings.read(VesperLibrary.libraryName(prepared));
-        this.sha256 = sha256;
+        this.sha256 = LibraryFile.sha256(bytes);
+        this.bytes = bytes;
     }
 
     @Override
@@ -24,6 +26,11 @@ final class VesperPreparedLibrary implements PreparedLibrary {
     @Override
     public String sha256() {
         return sha256;
+    }
+
+    @Override
+    public byte[] bytes() {
+        return bytes;
     }
 
     /** What to hand to C; throws once it was taken or closed. */

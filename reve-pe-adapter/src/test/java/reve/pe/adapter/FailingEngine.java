@@ -91,6 +91,16 @@ final class FailingEngine implements PhysicsEngine {
     }
 
     @Override
+    public byte[] saveState() {
+        return engine.saveState();
+    }
+
+    @Override
+    public void loadState(byte[] state) {
+        engine.loadState(state);
+    }
+
+    @Override
     public long stateHash() {
         return engine.stateHash();
     }

@@ -14,6 +14,7 @@ import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Duration;
 import java.util.Arrays;
 import java.util.List;
+import java.util.Map;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
@@ -23,6 +24,7 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 import reve.pe.NativeFiles;
 import reve.pe.PhysicsLaw;
+import reve.pe.PreparedLibrary;
 
 class LawFolderNativeTest {
     /** Gain of speed per frame under a force of 1 N on 1 kg [m/s]. */
@@ -91,6 +93,23 @@ class LawFolderNativeTest {
         drop("wind", "wind.so");
         lookAndRun(2);
         assertThat(loaded()).contains("wind");
+    }
+
+    @Test
+    void aLawThatARestoredWorldBroughtAlongBelongsToItsFileAgain() throws IOException {
+        byte[] bytes = Files.readAllBytes(NativeFiles.testLaw("wind"));
+        try (PreparedLibrary wind = engine.prepare(bytes)) {
+            world.adapter.laws().apply(0,
+                new LawChange.Loaded(LawLibrary.of(wind, Map.of("force", 2.0))));
+        }
+        Path file = drop("wind", "wind.so");
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(speed()).isCloseTo(2 * 2 * GAIN, offset(1e-15));
+        assertThat(world.events("fault")).isEmpty();
+        Files.delete(file);
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion");
     }
 
     @Test

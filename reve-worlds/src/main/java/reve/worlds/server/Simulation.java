@@ -1,6 +1,9 @@
 package reve.worlds.server;
 
 import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+import java.util.concurrent.ConcurrentHashMap;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 import reve.core.derive.BoundingBoxes;
@@ -33,6 +36,8 @@ public final class Simulation implements AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("laws");
     private static final int COMMAND_CAPACITY = 1 << 16;
     private static final int SNAPSHOT_SLOTS = 4;
+    private static final int MAX_IMAGES = 64;
+    private static final long MAX_IMAGE_BYTES = 1L << 30;
 
     private final WorldDescription description;
     private final Closing closing = new Closing();
@@ -44,6 +49,7 @@ public final class Simulation implements AutoCloseable {
     private final PhysicsEngine engine;
     private final PhysicsAdapter physics;
     private final RunEvents events = new RunEvents();
+    private final Set<SimulationImage> kept = ConcurrentHashMap.newKeySet();
     private long snapshotNanoseconds;
 
     /**
@@ -52,16 +58,35 @@ public final class Simulation implements AutoCloseable {
      * @throws PhysicsException naming the place in the world file, if a law does not load or fit
      */
     public Simulation(WorldDescription description, Pacing pacing) {
+        this(description, pacing, Optional.empty());
+    }
+
+    /**
+     * Builds the world that an image shows and goes on from there, to the bit as the simulation
+     * would whose image it is.
+     *
+     * @param description what that simulation was made from
+     * @throws IllegalArgumentException if the image is of a world with another prototype
+     * @throws PhysicsException if a law of the image does not load
+     */
+    public Simulation(WorldDescription description, Pacing pacing, SimulationImage image) {
+        this(description, pacing, Optional.of(image));
+    }
+
+    private Simulation(WorldDescription description, Pacing pacing,
+            Optional<SimulationImage> image) {
         this.description = description;
+        closing.add(() -> Set.copyOf(kept).forEach(SimulationImage::close));
         try {
             SharedArena arena = closing.add(new SharedArena());
-            world = description.build(arena);
+            world = image.isEmpty() ? description.build(arena)
+                    : new World(description.name(), description.prototype(), arena);
             engine = closing.add(new VesperEngine(config(), PropertyNames.prototype(
                     world.prototype(), VesperEngine.standardPrototype(world.prototype().name()))));
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
             loop = new FrameLoop(world, bus, description.timing(), pacing);
-            description.laws().forEach(this::load);
+            image.ifPresentOrElse(this::restore, () -> description.laws().forEach(this::load));
         } catch (RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -145,6 +170,51 @@ public final class Simulation implements AutoCloseable {
     /** What happened so far. World's thread. */
     public RunEvents events() {
         return events;
+    }
+
+    /**
+     * Keeps everything as it is now, to {@link #rewind} to or to {@link #fork} from, until the
+     * image or the simulation is closed. One bulk copy of the columns. World's thread, between
+     * frames.
+     *
+     * @throws IllegalStateException if as many images, or as many bytes, are kept as may be
+     */
+    public SimulationImage keep() {
+        long bytes = kept.stream().mapToLong(SimulationImage::bytes).sum();
+        if (kept.size() >= MAX_IMAGES || bytes >= MAX_IMAGE_BYTES) {
+            throw new IllegalStateException(kept.size() + " images of " + bytes + " bytes in all "
+                    + "are kept, at most " + MAX_IMAGES + " and " + MAX_IMAGE_BYTES
+                    + " bytes may be: close one first");
+        }
+        SimulationImage image = new SimulationImage(world, kept::remove);
+        kept.add(image);
+        image.copyFrom(this, loop.frame());
+        return image;
+    }
+
+    /**
+     * Goes back to an image: frame number, time, items and laws are as they were, and what happens
+     * from there is, to the bit, what happened then if nobody interferes. What is said and
+     * perceived of the frames after it is not taken back. World's thread, between frames.
+     *
+     * @throws IllegalStateException if a frame is being made
+     */
+    public void rewind(SimulationImage image) {
+        restore(image);
+    }
+
+    /**
+     * A second world that begins as the image shows and shares nothing with this one: what would
+     * happen if? Any thread; the caller runs its loop, reads its snapshots and closes it.
+     */
+    public Simulation fork(SimulationImage image) {
+        return new Simulation(description, Pacing.FAST, image);
+    }
+
+    private void restore(SimulationImage image) {
+        loop.continueAfter(image.frame());
+        world.restore(image.world());
+        physics.restore(image.frame(), image.physics());
     }
 
     /** Calls a listener in PUBLISH of each frame, when its snapshot can be acquired. */

@@ -1,0 +1,143 @@
+package reve.worlds.server;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
+import static org.assertj.core.api.Assertions.catchThrowable;
+
+import java.lang.foreign.ValueLayout;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.world.WorldSnapshot;
+
+/** Going back and running ahead, with contacts that laws remember. */
+class SimulationImageNativeTest {
+    private static final int FRAMES = 60;
+
+    private Simulation live;
+
+    @BeforeEach
+    void run() throws Exception {
+        WorldDescription description = WorldFile.load(
+                Path.of(System.getProperty("reve.root"), "worlds", "icosahedron", "world.yaml"));
+        live = new Simulation(description, Pacing.FAST);
+        live.loop().run(2 * FRAMES);
+    }
+
+    @AfterEach
+    void close() {
+        live.close();
+    }
+
+    @Test
+    void afterARewindTheSameHappensAgain() {
+        try (SimulationImage image = live.keep()) {
+            List<Long> first = hashes(live, FRAMES);
+            live.world().find("c3").orElseThrow().physics().set("velocity", 0, 9, 0);
+            live.loop().step();
+
+            live.rewind(image);
+
+            assertThat(live.loop().frame()).isEqualTo(2 * FRAMES);
+            assertThat(hashes(live, FRAMES)).isEqualTo(first);
+        }
+    }
+
+    @Test
+    void aForkRunsAheadOnAnotherThreadAndTheLiveWorldDoesNotNotice() throws Exception {
+        List<Long> undisturbed;
+        try (SimulationImage image = live.keep()) {
+            undisturbed = hashes(live, FRAMES);
+            live.rewind(image);
+            List<Long> foreseen = new ArrayList<>();
+            double[] pushed = new double[1];
+            Thread seer = Thread.ofPlatform().start(() -> {
+                try (Simulation fork = live.fork(image); Simulation push = live.fork(image)) {
+                    foreseen.addAll(hashes(fork, FRAMES));
+                    push.world().claim();
+                    push.world().find("c3").orElseThrow().physics().set("velocity", 0, 50, 0);
+                    push.loop().run(FRAMES);
+                    pushed[0] = height(push);
+                }
+            });
+            List<Long> lived = hashes(live, FRAMES);
+            seer.join();
+            assertThat(lived).isEqualTo(undisturbed);
+            assertThat(foreseen).isEqualTo(undisturbed);
+            assertThat(pushed[0]).isGreaterThan(height(live) + 0.5);
+        }
+    }
+
+    @Test
+    void snapshotsTellOfTheFrameThatWasGoneBackTo() {
+        try (SimulationImage image = live.keep()) {
+            live.loop().run(5);
+            live.rewind(image);
+            live.loop().run(0);
+            try (WorldSnapshot snapshot = live.snapshots().acquireLatest().orElseThrow()) {
+                assertThat(snapshot.frame()).isEqualTo(2 * FRAMES);
+                assertThat(snapshot.timeSeconds()).isEqualTo(2.0);
+            }
+        }
+    }
+
+    @Test
+    void lawsOfALaterTimeGo() {
+        try (SimulationImage image = live.keep()) {
+            List<String> before = laws(live);
+            live.physics().laws().load(live.loop().frame(), "drag", Map.of());
+            live.loop().run(2);
+            live.rewind(image);
+            assertThat(laws(live)).isEqualTo(before);
+            try (Simulation fork = live.fork(image)) {
+                assertThat(laws(fork)).isEqualTo(before);
+            }
+        }
+    }
+
+    @Test
+    void imagesAreBoundedAndEndWithTheirSimulation() {
+        SimulationImage first = live.keep();
+        for (int i = 1; i < 64; i++) {
+            live.keep();
+        }
+        assertThatIllegalStateException().isThrownBy(live::keep).withMessageContaining("64 images")
+                .withMessageContaining("close one first");
+        first.close();
+        SimulationImage last = live.keep();
+        live.close();
+        assertThat(catchThrowable(() -> last.world().tables().getFirst().column(0).get(
+                ValueLayout.JAVA_BYTE, 0)))
+                .isInstanceOf(IllegalStateException.class);
+    }
+
+    private static List<Long> hashes(Simulation simulation, int frames) {
+        List<Long> hashes = new ArrayList<>();
+        for (int i = 0; i < frames; i++) {
+            simulation.loop().step();
+            hashes.add(simulation.physics().stateHash());
+        }
+        return hashes;
+    }
+
+    private static List<String> laws(Simulation simulation) {
+        return simulation.physics().laws().loaded().stream().map(law -> law.name()).toList();
+    }
+
+    /** Of corner c3 in the last snapshot [m]. */
+    private static double height(Simulation simulation) {
+        try (WorldSnapshot snapshot = simulation.snapshots().acquireLatest().orElseThrow()) {
+            var bodies = snapshot.table("body");
+            int row = bodies.rowOf(snapshot.symbols().values().stream()
+                    .filter(item -> item.name().equals("c3")).findFirst().orElseThrow().id());
+            return bodies.column("position").getDouble(row, 1);
+        }
+    }
+}
