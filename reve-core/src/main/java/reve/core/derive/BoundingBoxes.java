@@ -3,8 +3,6 @@ package reve.core.derive;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import org.jspecify.annotations.Nullable;
-import reve.core.frame.FrameBus;
-import reve.core.frame.FramePhase;
 import reve.core.world.Column;
 import reve.core.world.Mesh;
 import reve.core.world.ScalarType;
@@ -31,12 +29,6 @@ public final class BoundingBoxes {
     private final int[] shape = new int[CHUNK_ROWS];
     private final double[] low = new double[3 * CHUNK_ROWS];
     private final double[] high = new double[3 * CHUNK_ROWS];
-
-    /** Works all boxes out in DERIVE of every frame. */
-    public static void subscribeTo(FrameBus bus) {
-        var boxes = new BoundingBoxes();
-        bus.subscribe(FramePhase.DERIVE, "bounding boxes", event -> boxes.update(event.world()));
-    }
 
     /** Works all boxes out now; allocates nothing. */
     public void update(World world) {

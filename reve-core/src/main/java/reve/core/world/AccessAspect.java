@@ -1,7 +1,9 @@
 package reve.core.world;
 
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
+import org.jspecify.annotations.Nullable;
 
 /** What agents can do with an item. World's thread only. */
 public final class AccessAspect {
@@ -19,5 +21,32 @@ public final class AccessAspect {
 
     public Optional<Action> find(String name) {
         return actions().stream().filter(action -> action.name().equals(name)).findFirst();
+    }
+
+    /** Adds an action, or replaces the one of that name. */
+    public void set(Action action) {
+        change(action.name(), action);
+    }
+
+    /** Takes an action away, if there. */
+    public void remove(String name) {
+        if (find(name).isPresent()) {
+            change(name, null);
+        }
+    }
+
+    private void change(String name, @Nullable Action to) {
+        Action from = find(name).orElse(null);
+        List<Action> changed = new ArrayList<>(actions());
+        if (from == null && to != null) {
+            changed.add(to);
+        } else if (to != null) {
+            changed.set(changed.indexOf(from), to);
+        } else {
+            changed.remove(from);
+        }
+        item.world().setSymbols(item, item.symbols().with(List.copyOf(changed)));
+        item.world().note(
+                new WorldChange.Edited(item.id(), WorldChange.Aspect.ACCESS, name, from, to));
     }
 }

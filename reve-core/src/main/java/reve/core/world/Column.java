@@ -7,13 +7,16 @@ import java.lang.foreign.MemorySegment;
  */
 public final class Column extends ColumnView {
 
+    private final World world;
     private MemorySegment memory;
     private MemorySegment used;
     private int rows;
     private long version;
+    private boolean editNoted;
 
-    Column(PropertyDescriptor descriptor, MemorySegment memory) {
+    Column(World world, PropertyDescriptor descriptor, MemorySegment memory) {
         super(descriptor);
+        this.world = world;
         this.memory = memory;
         this.used = memory.asSlice(0, 0);
     }
@@ -34,6 +37,12 @@ public final class Column extends ColumnView {
 
     /** Sets one number; reals are rounded to the column's type, integers keep their low 32 bits. */
     public void setDouble(int row, int component, double value) {
+        write(row, component, value);
+        noteEdit();
+    }
+
+    /** As {@link #setDouble}, by an aspect, which notes the change itself. */
+    void write(int row, int component, double value) {
         long offset = offset(row, component);
         switch (type()) {
             case F64 -> memory.set(DOUBLE, offset, value);
@@ -44,11 +53,24 @@ public final class Column extends ColumnView {
         version++;
     }
 
+    /** As {@link #write}, in DERIVE; the version is raised only if somebody else has to know. */
+    void derive(int row, int component, double value, boolean raiseVersion) {
+        long before = version;
+        write(row, component, value);
+        version = raiseVersion ? version : before;
+    }
+
     /** Sets one I32 or U32. */
     public void setInt(int row, int component, int value) {
         if (type() != ScalarType.I32 && type() != ScalarType.U32) {
             throw wrongType("an integer");
         }
+        write(row, component, value);
+        noteEdit();
+    }
+
+    /** As {@link #setInt}, by an aspect, which notes the change itself. */
+    void write(int row, int component, int value) {
         memory.set(INT, offset(row, component), value);
         version++;
     }
@@ -64,6 +86,20 @@ public final class Column extends ColumnView {
     /** Raises the version after values were edited through {@link #segment()}. */
     public void touch() {
         version++;
+        noteEdit();
+    }
+
+    /** Tells the world of direct edits, the first time in a frame. */
+    private void noteEdit() {
+        if (!editNoted) {
+            editNoted = true;
+            world.noteEdited(this);
+        }
+    }
+
+    /** From now on edits belong to another frame. */
+    void forgetEdit() {
+        editNoted = false;
     }
 
     /** References are set by the world only, which counts them. */

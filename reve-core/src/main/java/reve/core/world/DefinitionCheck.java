@@ -2,8 +2,10 @@ package reve.core.world;
 
 import java.util.HashMap;
 import java.util.HashSet;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Set;
 
 /**
@@ -14,6 +16,8 @@ final class DefinitionCheck {
     private final World world;
     private final List<ItemDefinition> definitions;
     private final Map<String, ItemDefinition> batch = new HashMap<>();
+    /** Names whose chain of parents is known to end. */
+    private final Set<String> rooted = new HashSet<>();
 
     DefinitionCheck(World world, List<ItemDefinition> definitions) {
         this.world = world;
@@ -28,6 +32,17 @@ final class DefinitionCheck {
             checkNumbers(definition);
         }
         definitions.forEach(this::checkReferences);
+        definitions.forEach(this::checkParent);
+    }
+
+    static void requireFree(String name, boolean taken) {
+        if (name.equals(WorldPrototype.WORLD)) {
+            throw new IllegalArgumentException(
+                    "item name world is reserved for the world's constants; choose another");
+        }
+        if (taken) {
+            throw new IllegalArgumentException("item name " + name + " is already taken");
+        }
     }
 
     static void requireTarget(String where, PropertyDescriptor property, String target, String kind,
@@ -45,13 +60,8 @@ final class DefinitionCheck {
 
     private void checkName(ItemDefinition definition) {
         String name = definition.name();
-        if (name.equals(WorldPrototype.WORLD)) {
-            throw new IllegalArgumentException(
-                    "item name world is reserved for the world's constants; choose another");
-        }
-        if (world.findItem(name) != null || batch.putIfAbsent(name, definition) != null) {
-            throw new IllegalArgumentException("item name " + name + " is already taken");
-        }
+        requireFree(name, world.findItem(name) != null
+                || batch.putIfAbsent(name, definition) != null);
     }
 
     private void checkKind(ItemDefinition definition) {
@@ -105,6 +115,39 @@ final class DefinitionCheck {
                         + definition.kind() + " needs " + column.name());
             }
         }
+    }
+
+    private void checkParent(ItemDefinition definition) {
+        if (definition.parent().isEmpty()) {
+            return;
+        }
+        String parent = definition.parent().get();
+        String where = "item " + definition.name() + " cannot be attached to " + parent + ": ";
+        ItemDefinition fellow = batch.get(parent);
+        Item present = world.findItem(parent);
+        if (fellow == null && present == null) {
+            throw new IllegalArgumentException(where + "it does not exist");
+        }
+        Hierarchy.requireBody(where, definition.name(), definition.kind());
+        Hierarchy.requireBody(where, parent,
+                fellow != null ? fellow.kind() : Objects.requireNonNull(present).kind());
+        definition.physics(PhysicsAspect.MASS)
+                .ifPresent(mass -> Hierarchy.requireNoMass(where, mass[0]));
+        checkNoCircle(definition);
+    }
+
+    /** Those that are in the world already cannot be attached to those that come. */
+    private void checkNoCircle(ItemDefinition definition) {
+        Set<String> path = new LinkedHashSet<>();
+        ItemDefinition next = definition;
+        while (next != null && !rooted.contains(next.name())) {
+            if (!path.add(next.name())) {
+                throw new IllegalArgumentException("item " + next.name()
+                        + " cannot be attached to itself, as by " + String.join(" to ", path));
+            }
+            next = next.parent().map(batch::get).orElse(null);
+        }
+        rooted.addAll(path);
     }
 
     private void checkTarget(String where, PropertyDescriptor descriptor, String target) {

@@ -1,5 +1,11 @@
 package reve.core.world;
 
+import java.util.Comparator;
+import java.util.List;
+import java.util.Optional;
+import java.util.TreeSet;
+import org.jspecify.annotations.Nullable;
+
 /**
  * One thing in a world. It holds no numbers: its aspects are views of its row in the columns.
  * World's thread only; a removed item refuses every use.
@@ -17,6 +23,10 @@ public final class Item {
 
     /** How many references of other items point here; kept by the world. */
     int referrers;
+
+    /** What the item moves with, and what moves with it; kept by the hierarchy. */
+    @Nullable Item parent;
+    @Nullable TreeSet<Item> children;
 
     Item(World world, Table table, ItemSymbols symbols) {
         this.world = world;
@@ -60,6 +70,43 @@ public final class Item {
     public ItemDefinition definition() {
         checkedRow();
         return ItemDefinition.of(this);
+    }
+
+    /** The item that this one moves with; see {@link World#attach}. */
+    public Optional<Item> parent() {
+        checkedRow();
+        return Optional.ofNullable(parent);
+    }
+
+    /** Items that move with this one, in the order of their ids; a copy. */
+    public List<Item> children() {
+        checkedRow();
+        return children == null ? List.of() : List.copyOf(children);
+    }
+
+    void addChild(Item child) {
+        if (children == null) {
+            children = new TreeSet<>(Comparator.comparing(Item::id));
+        }
+        children.add(child);
+        child.parent = this;
+    }
+
+    void removeChild(Item child) {
+        if (children != null) {
+            children.remove(child);
+            children = children.isEmpty() ? null : children;
+        }
+        child.parent = null;
+    }
+
+    /** @throws IllegalStateException if the item is attached to nothing */
+    Attachment attachment() {
+        Attachment attachment = symbols.attachment();
+        if (attachment == null) {
+            throw new IllegalStateException(this + " is attached to nothing");
+        }
+        return attachment;
     }
 
     World world() {

@@ -6,6 +6,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import org.jspecify.annotations.Nullable;
 
 /**
  * Everything an item begins with. What can be checked without a world is checked here, the rest by
@@ -20,6 +21,7 @@ public final class ItemDefinition {
     private final Colour colour;
     private final double[] location;
     private final double[] orientation;
+    private final Optional<String> parent;
     private final Map<String, Object> symbols;
     private final List<Action> actions;
     private final Map<String, double[]> numbers;
@@ -33,6 +35,7 @@ public final class ItemDefinition {
         colour = builder.colour;
         location = builder.location;
         orientation = builder.orientation;
+        parent = Optional.ofNullable(builder.parent);
         symbols = Collections.unmodifiableMap(new LinkedHashMap<>(builder.symbols));
         actions = List.copyOf(builder.actions);
         numbers = new LinkedHashMap<>(builder.numbers);
@@ -57,6 +60,11 @@ public final class ItemDefinition {
             now.location = item.physical().location();
             now.orientation = item.physical().orientation();
         }
+        item.parent().ifPresent(parent -> {
+            now.parent = parent.name();
+            now.location = item.attachment().pose().location();
+            now.orientation = item.attachment().pose().orientation();
+        });
         now.symbols.putAll(item.symbols().given());
         now.actions.addAll(item.symbols().actions());
         for (String name : item.physics().properties()) {
@@ -84,6 +92,7 @@ public final class ItemDefinition {
         copy.colour = colour;
         copy.location = location;
         copy.orientation = orientation;
+        copy.parent = parent.orElse(null);
         copy.symbols.putAll(symbols);
         copy.actions.addAll(actions);
         copy.numbers.putAll(numbers);
@@ -107,14 +116,19 @@ public final class ItemDefinition {
         return colour;
     }
 
-    /** Place of the origin (3) [m]. */
+    /** Place of the origin (3) [m]: in the world frame, or in the parent's if there is one. */
     public double[] location() {
         return location.clone();
     }
 
-    /** Unit quaternion xyzw (4). */
+    /** Unit quaternion xyzw (4), in the same frame as the location. */
     public double[] orientation() {
         return orientation.clone();
+    }
+
+    /** Name of the item that this one moves with. */
+    public Optional<String> parent() {
+        return parent;
     }
 
     /** Designer's symbols: String, Double or Boolean. */
@@ -161,6 +175,7 @@ public final class ItemDefinition {
         private Colour colour = Colour.DEFAULT;
         private double[] location = {0, 0, 0};
         private double[] orientation = {0, 0, 0, 1};
+        private @Nullable String parent;
         private final Map<String, Object> symbols = new LinkedHashMap<>();
         private final List<Action> actions = new ArrayList<>();
         private final Map<String, double[]> numbers = new LinkedHashMap<>();
@@ -192,7 +207,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** Place of the origin in the world frame [m]. */
+        /** Place of the origin [m]: in the world frame, or in the parent's if there is one. */
         public Builder at(double x, double y, double z) {
             placed = true;
             location = new double[] {x, y, z};
@@ -204,6 +219,15 @@ public final class ItemDefinition {
         public Builder orientation(double x, double y, double z, double w) {
             placed = true;
             orientation = Values.requireRotation(name, x, y, z, w);
+            return this;
+        }
+
+        /**
+         * Attaches the item to another, given by name: location and orientation are then in its
+         * frame. See {@link World#attach}.
+         */
+        public Builder parent(String itemName) {
+            parent = itemName;
             return this;
         }
 

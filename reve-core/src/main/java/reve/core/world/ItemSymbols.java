@@ -5,6 +5,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
 
@@ -13,9 +14,10 @@ import org.pcollections.TreePMap;
  *
  * @param given the designer's symbols by name, in alphabetical order: String, Double or Boolean
  * @param actions the access aspect
+ * @param attachment what the item moves with, null for nothing
  */
 public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
-        PMap<String, Object> given, List<Action> actions) {
+        PMap<String, Object> given, List<Action> actions, @Nullable Attachment attachment) {
 
     static final String NAME = "name";
     static final String CLASS = "class";
@@ -26,7 +28,7 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
 
     ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition.name(), definition.kind(), definition.shape(),
-                given(definition.symbols()), definition.actions());
+                given(definition.symbols()), definition.actions(), null);
     }
 
     /** A designer's symbol, or a standard one: see {@link #symbols()}. */
@@ -57,15 +59,31 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     }
 
     ItemSymbols with(String symbol, Object value) {
-        return new ItemSymbols(id, name, kind, shape, given.plus(symbol, value), actions);
+        return with(given.plus(symbol, value));
     }
 
     ItemSymbols without(String symbol) {
-        return new ItemSymbols(id, name, kind, shape, given.minus(symbol), actions);
+        return with(given.minus(symbol));
+    }
+
+    ItemSymbols renamed(String newName) {
+        return new ItemSymbols(id, newName, kind, shape, given, actions, attachment);
     }
 
     ItemSymbols with(Shape newShape) {
-        return new ItemSymbols(id, name, kind, newShape, given, actions);
+        return new ItemSymbols(id, name, kind, newShape, given, actions, attachment);
+    }
+
+    ItemSymbols with(List<Action> newActions) {
+        return new ItemSymbols(id, name, kind, shape, given, newActions, attachment);
+    }
+
+    ItemSymbols attached(@Nullable Attachment newAttachment) {
+        return new ItemSymbols(id, name, kind, shape, given, actions, newAttachment);
+    }
+
+    private ItemSymbols with(PMap<String, Object> newGiven) {
+        return new ItemSymbols(id, name, kind, shape, newGiven, actions, attachment);
     }
 
     private List<Double> dimensions() {

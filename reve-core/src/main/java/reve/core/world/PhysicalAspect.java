@@ -1,5 +1,8 @@
 package reve.core.world;
 
+import java.util.Arrays;
+import java.util.List;
+
 /**
  * Where a body is and what it looks like: a view of its row. Only the kind {@code body} has one;
  * for other kinds it is empty and everything else here throws. World's thread only.
@@ -16,24 +19,40 @@ public final class PhysicalAspect {
         return !item.kind().equals(WorldPrototype.BODY);
     }
 
-    /** Place of the origin in the world frame (3) [m]. */
+    /** Place of the origin in the world frame (3) [m]; what is attached is where its parent has it. */
     public double[] location() {
-        return read("position");
+        requirePlace();
+        return item.parent == null ? read("position")
+                : Arrays.copyOf(item.world().hierarchy().worldPose(item), 3);
     }
 
-    /** @throws IllegalArgumentException naming item and value if a number is not finite */
+    /**
+     * What is attached is moved within its parent's frame.
+     *
+     * @throws IllegalArgumentException naming item and value if a number is not finite
+     */
     public void setLocation(double x, double y, double z) {
+        double[] from = location();
+        column("position", x, y, z);
+        moveWithinParent(new double[] {x, y, z}, orientation());
         write("position", x, y, z);
+        note("location", numbers(from), List.of(x, y, z));
     }
 
     /** Rotation as a unit quaternion xyzw (4). */
     public double[] orientation() {
-        return read("orientation");
+        requirePlace();
+        return item.parent == null ? read("orientation")
+                : Arrays.copyOfRange(item.world().hierarchy().worldPose(item), 3, Pose.NUMBERS);
     }
 
-    /** Any quaternion but 0; it is normalised. */
+    /** Any quaternion but 0; it is normalised. What is attached is turned within its parent's frame. */
     public void setOrientation(double x, double y, double z, double w) {
-        write("orientation", Values.requireRotation(item.name(), x, y, z, w));
+        double[] from = orientation();
+        double[] unit = Values.requireRotation(item.name(), x, y, z, w);
+        moveWithinParent(location(), unit);
+        write("orientation", unit);
+        note("orientation", numbers(from), List.of(x, y, z, w));
     }
 
     /** Extent of the shape along the item's own axes (3) [m]. */
@@ -47,9 +66,10 @@ public final class PhysicalAspect {
     }
 
     public void setShape(Shape shape) {
-        requirePlace();
+        Shape from = shape();
         item.world().setSymbols(item, item.symbols().with(shape));
         writeShape(shape);
+        note("shape", from, shape);
     }
 
     public Colour colour() {
@@ -58,8 +78,9 @@ public final class PhysicalAspect {
     }
 
     public void setColour(Colour colour) {
-        int row = requirePlace();
-        item.table().column("colour").setInt(row, 0, colour.rgba());
+        Colour from = colour();
+        writeColour(colour);
+        note("colour", from, colour);
     }
 
     /** Lower corner of the box around the item as of the last DERIVE (3) [m]. */
@@ -73,16 +94,40 @@ public final class PhysicalAspect {
     }
 
     void place(ItemDefinition definition) {
-        double[] at = definition.location();
-        setLocation(at[0], at[1], at[2]);
+        write("position", definition.location());
         write("orientation", definition.orientation());
-        setColour(definition.colour());
+        writeColour(definition.colour());
         writeShape(definition.shape());
     }
 
     private void writeShape(Shape shape) {
         write("size", shape.size(0), shape.size(1), shape.size(2));
-        item.table().column("shape").setInt(item.checkedRow(), 0, shape.code());
+        item.table().column("shape").write(item.checkedRow(), 0, shape.code());
+    }
+
+    private void writeColour(Colour colour) {
+        item.table().column("colour").write(item.checkedRow(), 0, colour.rgba());
+    }
+
+    private void moveWithinParent(double[] location, double[] orientation) {
+        Item parent = item.parent;
+        if (parent == null) {
+            return;
+        }
+        World world = item.world();
+        Pose pose = Pose.of(location, orientation)
+                .relativeTo(Pose.of(world.hierarchy().worldPose(parent)));
+        world.setSymbols(item, item.symbols().attached(new Attachment(parent.id(), pose)));
+        world.hierarchy().touch();
+    }
+
+    private void note(String property, Object from, Object to) {
+        item.world().note(
+                new WorldChange.Edited(item.id(), WorldChange.Aspect.PHYSICAL, property, from, to));
+    }
+
+    private static List<Double> numbers(double[] values) {
+        return Arrays.stream(values).boxed().toList();
     }
 
     private double[] read(String property) {
@@ -97,11 +142,18 @@ public final class PhysicalAspect {
 
     private void write(String property, double... values) {
         int row = requirePlace();
+        Column column = column(property, values);
+        for (int i = 0; i < values.length; i++) {
+            column.write(row, i, values[i]);
+        }
+    }
+
+    /** The column of a property, which the values fit. */
+    private Column column(String property, double... values) {
+        requirePlace();
         Column column = item.table().column(property);
         Values.requireFits(item.name(), column.descriptor(), values);
-        for (int i = 0; i < values.length; i++) {
-            column.setDouble(row, i, values[i]);
-        }
+        return column;
     }
 
     private int requirePlace() {

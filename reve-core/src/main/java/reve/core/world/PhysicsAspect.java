@@ -1,15 +1,20 @@
 package reve.core.world;
 
 import java.util.ArrayList;
+import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
 import java.util.List;
+import java.util.Map;
 import java.util.Set;
+import org.jspecify.annotations.Nullable;
 
 /**
  * What physics laws see of an item: a view of its row. An item whose physics aspect is empty is
  * scenery, which no law can move. World's thread only.
  */
 public final class PhysicsAspect {
+
+    static final String MASS = "mass";
 
     private final Item item;
 
@@ -69,11 +74,43 @@ public final class PhysicsAspect {
     public void set(String property, double... values) {
         Column column = column(property);
         Values.requireFits(item.name(), column.descriptor(), values);
-        if (isEmpty()) {
+        if (item.parent != null && property.equals(MASS)) {
+            Hierarchy.requireNoMass(item + " is attached to " + item.parent.name() + ": ", values[0]);
+        }
+        boolean first = isEmpty();
+        if (first) {
             item.world().giveFirstPhysics(item);
         }
+        List<Double> from = first ? null : numbers(column);
+        write(property, values);
+        note(property, from, numbers(column));
+    }
+
+    /**
+     * Empties the aspect: the item becomes scenery. It moves the item's row and is therefore
+     * refused where the structure is locked.
+     *
+     * @throws IllegalArgumentException naming who refers to it, or if it is the item {@code world}
+     */
+    public void clear() {
+        if (isEmpty()) {
+            return;
+        }
+        Map<String, Object> before = new LinkedHashMap<>();
+        for (String property : properties()) {
+            Column column = column(property);
+            before.put(property, column.type() == ScalarType.REF ? references(property)
+                    : numbers(column));
+        }
+        item.world().takePhysics(item);
+        before.forEach((property, from) -> note(property, from, null));
+    }
+
+    /** Sets a numeric property of an item that has the aspect, unchecked and unnoted. */
+    void write(String property, double... values) {
+        Column column = column(property);
         for (int i = 0; i < values.length; i++) {
-            column.setDouble(item.checkedRow(), i, values[i]);
+            column.write(item.checkedRow(), i, values[i]);
         }
     }
 
@@ -104,7 +141,22 @@ public final class PhysicsAspect {
      *     wrong kind or scenery
      */
     public void setReferences(String property, ItemId... targets) {
+        List<ItemId> from = references(property);
         item.world().setReferences(item, existing(property), List.of(targets));
+        note(property, from, List.of(targets));
+    }
+
+    private List<Double> numbers(Column column) {
+        List<Double> numbers = new ArrayList<>(column.components());
+        for (int i = 0; i < column.components(); i++) {
+            numbers.add(column.getDouble(item.checkedRow(), i));
+        }
+        return List.copyOf(numbers);
+    }
+
+    private void note(String property, @Nullable Object from, @Nullable Object to) {
+        item.world().note(
+                new WorldChange.Edited(item.id(), WorldChange.Aspect.PHYSICS, property, from, to));
     }
 
     private Column existing(String property) {

@@ -2,6 +2,7 @@ package reve.core.world;
 
 import java.util.Map;
 import java.util.Optional;
+import org.jspecify.annotations.Nullable;
 
 /** What agents perceive of an item: symbols with text, truth or a number. World's thread only. */
 public final class SemanticAspect {
@@ -39,18 +40,27 @@ public final class SemanticAspect {
     public void set(String symbol, Object value) {
         item.checkedRow();
         Object checked = requireSettable(item.name(), symbol, value);
-        item.world().setSymbols(item, item.symbols().with(symbol, checked));
+        change(symbol, checked, item.symbols().with(symbol, checked));
     }
 
     /** Forgets a designer's symbol, if there. */
     public void remove(String symbol) {
         item.checkedRow();
-        item.world().setSymbols(item, item.symbols().without(symbol));
+        if (item.symbols().given().containsKey(symbol)) {
+            change(symbol, null, item.symbols().without(symbol));
+        }
     }
 
     /** All symbols, standard ones first: see {@link ItemSymbols#symbols()}. */
     public Map<String, Object> symbols() {
         item.checkedRow();
         return item.symbols().symbols();
+    }
+
+    private void change(String symbol, @Nullable Object to, ItemSymbols changed) {
+        Object from = item.symbols().given().get(symbol);
+        item.world().setSymbols(item, changed);
+        item.world().note(
+                new WorldChange.Edited(item.id(), WorldChange.Aspect.SEMANTIC, symbol, from, to));
     }
 }

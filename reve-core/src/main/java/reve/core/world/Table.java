@@ -149,6 +149,22 @@ public final class Table implements TableView {
         }
     }
 
+    /** Moves a physics row to the scenery part and zeroes its physics properties. */
+    void demote(Item item) {
+        makeRoom(rowCount + 1);
+        int from = item.row;
+        int to = --physicsRowCount;
+        if (from != to) {
+            int spare = rowCount;
+            copy(from, spare);
+            move(to, from);
+            copy(spare, to);
+            items[to] = item;
+            item.row = to;
+        }
+        physicsByName.values().forEach(column -> column.clearRow(to));
+    }
+
     /** Makes room for that many rows, at least doubling when more memory is needed. */
     void makeRoom(int rows) {
         if (rows <= items.length) {
@@ -224,7 +240,7 @@ public final class Table implements TableView {
     }
 
     private Column create(PropertyDescriptor property) {
-        return new Column(property, reserve(property, items.length));
+        return new Column(world, property, reserve(property, items.length));
     }
 
     private MemorySegment reserve(PropertyDescriptor property, int rows) {

@@ -7,6 +7,7 @@ import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Optional;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
@@ -28,6 +29,9 @@ public final class World {
 
     private static final boolean CHECK_THREAD = Boolean.getBoolean("reve.check.thread");
 
+    /** Changes that a frame keeps; more are only counted. */
+    public static final int MAX_CHANGES_PER_FRAME = 1 << 20;
+
     private final String name;
     private final WorldPrototype prototype;
     private final ColumnArena arena;
@@ -36,8 +40,11 @@ public final class World {
     private final Map<ItemId, Item> items = new LinkedHashMap<>();
     private final Map<String, Item> itemsByName = new HashMap<>();
     private final List<MemorySegment> retired = new ArrayList<>();
-    private final List<WorldEvent> events = new ArrayList<>();
-    private @Nullable List<WorldEvent> published;
+    private final FrameLog<WorldEvent> events = new FrameLog<>(Integer.MAX_VALUE);
+    private final FrameLog<WorldChange> changes = new FrameLog<>(MAX_CHANGES_PER_FRAME);
+    private final List<Column> directlyEdited = new ArrayList<>();
+    private final Hierarchy hierarchy;
+    private final References references;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private volatile Thread owner = Thread.currentThread();
     private @Nullable String lockedBy;
@@ -59,6 +66,8 @@ public final class World {
         this.arena = arena;
         tables = prototype.kinds().stream().map(kind -> new Table(this, kind)).toList();
         tables.forEach(table -> tableByKind.put(table.kind(), table));
+        hierarchy = new Hierarchy(table(WorldPrototype.BODY));
+        references = new References(tables, items);
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
         insert(constants.build(), true);
     }
@@ -94,7 +103,11 @@ public final class World {
             added.add(insert(definition, definition.hasPhysics()));
         }
         for (int i = 0; i < added.size(); i++) {
-            resolveReferences(added.get(i), definitions.get(i));
+            link(added.get(i), definitions.get(i));
+        }
+        hierarchy.placeNew(added);
+        if (!added.isEmpty()) {
+            changes.add(new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions)));
         }
         return List.copyOf(added);
     }
@@ -107,30 +120,106 @@ public final class World {
      */
     public void remove(ItemId id) {
         Item item = removable(id);
-        if (item.referrers > 0) {
-            Set<Item> referring = new LinkedHashSet<>();
-            addReferrers(Set.of(item), referring);
+        if (item.referrers > 0 || item.children != null) {
             throw new IllegalArgumentException(item + " cannot be removed: "
-                    + String.join(", ", referring.stream().map(Item::toString).limit(5).toList())
-                    + (referring.size() > 5 ? ", ..." : "")
-                    + " refers to it; remove that first, or remove in cascade");
+                    + references.describeReferrers(item) + " refers to it or is attached to it; remove that first, or remove in cascade");
         }
         delete(item);
+        changes.add(new WorldChange.Removed(id, item.name(), List.of()));
     }
 
     /**
-     * Removes an item and, first, all items that refer to it, directly or not; else as {@link
-     * #remove}.
+     * Removes an item and, first, all items that refer to it or are attached to it, directly or
+     * not; else as {@link #remove}.
      */
     public void removeCascade(ItemId id) {
         Set<Item> doomed = new LinkedHashSet<>();
-        doomed.add(removable(id));
+        Item item = removable(id);
+        doomed.add(item);
         int before;
         do {
             before = doomed.size();
-            addReferrers(Set.copyOf(doomed), doomed);
+            references.addReferrers(List.copyOf(doomed), doomed);
         } while (doomed.size() > before);
-        new ArrayList<>(doomed).reversed().forEach(this::delete);
+        List<Item> order = new ArrayList<>(doomed).reversed();
+        order.forEach(this::delete);
+        List<ItemId> cascade = order.stream().map(Item::id).filter(other -> !other.equals(id)).toList();
+        changes.add(new WorldChange.Removed(id, item.name(), cascade));
+    }
+
+    /**
+     * Gives an item another name. References stay, as they are by id.
+     *
+     * @throws IllegalArgumentException if the name is taken or cannot be one
+     * @throws IllegalStateException naming the phase if the structure is locked
+     */
+    public void rename(ItemId id, String newName) {
+        requireUnlocked("rename items");
+        Item item = item(id);
+        String oldName = item.name();
+        if (newName.equals(oldName)) {
+            return;
+        }
+        requireNotConstants(item, "its name is fixed");
+        DefinitionCheck.requireFree(Names.require("new name of " + item, newName),
+                itemsByName.containsKey(newName));
+        itemsByName.remove(oldName);
+        itemsByName.put(newName, item);
+        setSymbols(item, item.symbols().renamed(newName));
+        changes.add(new WorldChange.Renamed(id, oldName, newName));
+    }
+
+    /** As {@link #attach(ItemId, ItemId, Pose)}; the child stays where it is now. */
+    public void attach(ItemId child, ItemId parent) {
+        hierarchy.requireAttachable(item(child), item(parent));
+        attach(child, parent, pose(child).relativeTo(pose(parent)));
+    }
+
+    /**
+     * Makes a body move with another from now on, at a fixed pose in its frame. One that is
+     * attached already changes its parent. Its place in the world frame follows in DERIVE, at any
+     * depth.
+     *
+     * <p>Laws do not move what is attached: it is scenery or of mass 0, and forces on it do not
+     * reach the parent.
+     *
+     * @throws IllegalArgumentException naming both if one is no body, the child has a mass, or the
+     *     parent moves with the child
+     * @throws IllegalStateException naming the phase if the structure is locked
+     */
+    public void attach(ItemId child, ItemId parent, Pose pose) {
+        requireUnlocked("attach items");
+        Item item = item(child);
+        hierarchy.requireAttachable(item, item(parent));
+        Attachment before = item.symbols().attachment();
+        setAttachment(item, item(parent), pose);
+        hierarchy.settle(item);
+        changes.add(new WorldChange.Attached(child, before, item.attachment()));
+    }
+
+    /**
+     * Lets an attached item be on its own, where it is now.
+     *
+     * @throws IllegalArgumentException if it is not attached
+     * @throws IllegalStateException naming the phase if the structure is locked
+     */
+    public void detach(ItemId child) {
+        requireUnlocked("detach items");
+        Item item = item(child);
+        if (item.parent == null) {
+            throw new IllegalArgumentException(item + " is not attached to anything");
+        }
+        Attachment before = item.attachment();
+        hierarchy.settle(item);
+        hierarchy.unlink(item);
+        setSymbols(item, item.symbols().attached(null));
+        changes.add(new WorldChange.Detached(child, before));
+    }
+
+    /** Puts what is attached where its parents are; in DERIVE, before anything looks. */
+    public void placeAttached() {
+        checkOwner();
+        hierarchy.place();
     }
 
     /**
@@ -222,12 +311,31 @@ public final class World {
     }
 
     /**
+     * What became different in the frame that is being made, in the order it did, other than by
+     * laws and in DERIVE; a copy. In PUBLISH it is the same to all who ask; changes made in PUBLISH and
+     * between frames belong to the next frame, those made before the first to frame 0.
+     */
+    public List<WorldChange> changes() {
+        checkOwner();
+        return changes.entries();
+    }
+
+    /**
+     * How many changes of the frame were too many to keep ({@link #MAX_CHANGES_PER_FRAME}): what
+     * follows a world by its changes then has to look at all of it.
+     */
+    public long changesLost() {
+        checkOwner();
+        return changes.lost();
+    }
+
+    /**
      * Events of the frame that is being made, in the order raised; a copy. In PUBLISH they are the
      * same to all who ask.
      */
     public List<WorldEvent> events() {
         checkOwner();
-        return published != null ? published : copyOfEvents();
+        return events.entries();
     }
 
     /** Makes the calling thread the owner; the former owner must have stopped using the world. */
@@ -260,26 +368,41 @@ public final class World {
         retired.clear();
     }
 
-    /** Begins PUBLISH: what is raised from now on belongs to the next frame. */
+    /** Begins PUBLISH: what is raised or changed from now on belongs to the next frame. */
     public void fixEvents() {
         checkOwner();
-        published = copyOfEvents();
-        events.clear();
+        events.fix();
+        changes.fix();
+        forgetDirectEdits();
     }
 
-    /** Ends a frame: forgets its events, fixed or not, and unlocks the structure. */
+    /** Ends a frame: forgets its events and changes, fixed or not, and unlocks the structure. */
     public void endFrame() {
         checkOwner();
-        if (published == null) {
-            events.clear();
+        if (!changes.isFixed()) {
+            forgetDirectEdits();
         }
-        published = null;
+        events.end();
+        changes.end();
         lockedBy = null;
     }
 
-    /** Allocates only if there are events. */
-    private List<WorldEvent> copyOfEvents() {
-        return events.isEmpty() ? List.of() : List.copyOf(events);
+    private void forgetDirectEdits() {
+        directlyEdited.forEach(Column::forgetEdit);
+        directlyEdited.clear();
+    }
+
+    void note(WorldChange change) {
+        changes.add(change);
+    }
+
+    void noteEdited(Column column) {
+        directlyEdited.add(column);
+        changes.add(new WorldChange.ColumnEdited(column.descriptor().kind(), column.name()));
+    }
+
+    Hierarchy hierarchy() {
+        return hierarchy;
     }
 
     long lastId() {
@@ -319,33 +442,30 @@ public final class World {
 
     void giveFirstPhysics(Item item) {
         requireUnlocked("give " + item + " its first physics property");
-        List<Column> references = item.table().references();
-        if (!references.isEmpty()) {
+        List<Column> needed = item.table().references();
+        if (!needed.isEmpty()) {
             throw new IllegalArgumentException(item + " is scenery without "
-                    + references.getFirst().name() + ": add it with its references instead");
+                    + needed.getFirst().name() + ": add it with its references instead");
         }
         item.table().promote(item);
         layoutVersion++;
     }
 
+    void takePhysics(Item item) {
+        requireUnlocked("take " + item + " out of physics");
+        requireNotConstants(item, "laws need them");
+        if (item.referrers > 0) {
+            throw new IllegalArgumentException(item + " cannot become scenery: "
+                    + references.describeReferrers(item) + " refers to it");
+        }
+        references.release(item);
+        item.table().demote(item);
+        layoutVersion++;
+    }
+
     void setReferences(Item item, Column column, List<ItemId> targets) {
         requireUnlocked("change " + column.name() + " of " + item);
-        String where = item + ": " + column.name();
-        PropertyDescriptor property = column.descriptor();
-        if (column.type() != ScalarType.REF || targets.size() != column.components()) {
-            throw new IllegalArgumentException(where + " takes " + column.components() + " "
-                    + column.type() + ", found " + targets.size() + " references");
-        }
-        for (ItemId target : targets) {
-            Item other = item(target);
-            DefinitionCheck.requireTarget(where, property, other.name(), other.kind(),
-                    !other.physics().isEmpty());
-        }
-        for (int i = 0; i < targets.size(); i++) {
-            count(column.getReference(item.row, i), -1);
-            column.setReference(item.row, i, targets.get(i).value());
-            count(targets.get(i).value(), 1);
-        }
+        references.set(item, column, targets.stream().map(this::item).toList());
     }
 
     /** The item of that id and kind if it is there, else a new object; in no row yet. */
@@ -406,66 +526,51 @@ public final class World {
             item.physical().place(definition);
         }
         for (String property : definition.physicsProperties()) {
-            item.physics().set(property, definition.physics(property).orElseThrow());
+            item.physics().write(property, definition.physics(property).orElseThrow());
         }
         layoutVersion++;
         return item;
     }
 
-    private void resolveReferences(Item item, ItemDefinition definition) {
-        definition.references().forEach((property, targetNames) -> {
-            Column column = item.table().physicsColumn(property);
-            for (int i = 0; i < targetNames.size(); i++) {
-                Item target = itemsByName.get(targetNames.get(i));
-                column.setReference(item.row, i, target.id().value());
-                target.referrers++;
-            }
-        });
+    /** Points an added item at those it refers to and moves with, which may be added with it. */
+    private void link(Item item, ItemDefinition definition) {
+        references.resolve(item, definition);
+        definition.parent().ifPresent(parent -> setAttachment(item,
+                Objects.requireNonNull(itemsByName.get(parent)),
+                Pose.exactly(definition.location(), definition.orientation())));
+    }
+
+    private void setAttachment(Item child, Item parent, Pose pose) {
+        hierarchy.link(child, parent);
+        setSymbols(child, child.symbols().attached(new Attachment(parent.id(), pose)));
+    }
+
+    private Pose pose(ItemId id) {
+        return Pose.of(hierarchy.worldPose(item(id)));
     }
 
     private Item removable(ItemId id) {
         requireUnlocked("remove items");
         Item item = item(id);
-        if (item.kind().equals(WorldPrototype.WORLD)) {
-            throw new IllegalArgumentException(item + " holds the world's constants; it stays");
-        }
+        requireNotConstants(item, "it stays");
         return item;
     }
 
-    private void delete(Item item) {
-        if (!item.physics().isEmpty()) {
-            for (Column column : item.table().references()) {
-                for (int i = 0; i < column.components(); i++) {
-                    count(column.getReference(item.row, i), -1);
-                }
-            }
+    private static void requireNotConstants(Item item, String therefore) {
+        if (item.kind().equals(WorldPrototype.WORLD)) {
+            throw new IllegalArgumentException(
+                    item + " holds the world's constants; " + therefore);
         }
+    }
+
+    private void delete(Item item) {
+        references.release(item);
+        hierarchy.unlink(item);
         item.table().remove(item);
         items.remove(item.id());
         itemsByName.remove(item.name());
         symbols = symbols.minus(item.id());
         layoutVersion++;
-    }
-
-    private void count(long target, int change) {
-        Item item = items.get(new ItemId(target));
-        if (item != null) {
-            item.referrers += change;
-        }
-    }
-
-    private void addReferrers(Set<Item> targets, Set<Item> into) {
-        for (Table table : tables) {
-            for (Column column : table.references()) {
-                for (int row = 0; row < table.physicsRowCount(); row++) {
-                    for (int i = 0; i < column.components(); i++) {
-                        if (targets.contains(items.get(new ItemId(column.getReference(row, i))))) {
-                            into.add(table.itemAt(row));
-                        }
-                    }
-                }
-            }
-        }
     }
 
     private void requireUnlocked(String what) {

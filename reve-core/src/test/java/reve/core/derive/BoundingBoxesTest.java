@@ -80,7 +80,7 @@ class BoundingBoxesTest {
         World world = world("si-f64");
         Item ball = world.add(ItemDefinition.named("ball").shape(Shape.sphere(1)).build());
         var bus = new FrameBus();
-        BoundingBoxes.subscribeTo(bus);
+        DerivedColumns.subscribeTo(bus);
         var loop = new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST);
         loop.run(0);
         assertThat(ball.physical().boundsMax()).containsExactly(1, 1, 1);

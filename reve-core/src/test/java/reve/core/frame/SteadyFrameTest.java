@@ -6,7 +6,7 @@ import com.sun.management.ThreadMXBean;
 import java.lang.management.ManagementFactory;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
-import reve.core.derive.BoundingBoxes;
+import reve.core.derive.DerivedColumns;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.Shape;
@@ -31,7 +31,7 @@ class SteadyFrameTest {
         }
         var bus = new FrameBus();
         new CommandQueue(16).subscribeTo(bus);
-        BoundingBoxes.subscribeTo(bus);
+        DerivedColumns.subscribeTo(bus);
         var ring = new SnapshotRing(world, 3);
         bus.subscribe(FramePhase.PUBLISH, "snapshots",
                 event -> ring.publish(event.frame(), event.timeSeconds()));

@@ -57,13 +57,15 @@ class WorldModelTest {
     }
 
     private void change() {
-        switch (random.nextInt(10)) {
+        switch (random.nextInt(12)) {
             case 0, 1, 2 -> addBody(true);
             case 3 -> addBody(false);
             case 4 -> addSpring();
             case 5, 6 -> edit();
             case 7 -> remove();
             case 8 -> removeCascade();
+            case 9 -> rename();
+            case 10 -> clear();
             default -> redirect();
         }
     }
@@ -119,6 +121,9 @@ class WorldModelTest {
             expected.location = value;
         } else {
             item.physics().set("externalForce", value);
+            if (!expected.physics) {
+                expected.numbers.put("velocity", new double[3]);
+            }
             expected.numbers.put("externalForce", value);
             expected.physics = true;
         }
@@ -146,6 +151,38 @@ class WorldModelTest {
         world.removeCascade(world.find(name).orElseThrow().id());
         oracle.keySet().removeAll(referring(Set.of(name)));
         oracle.remove(name);
+    }
+
+    private void rename() {
+        if (oracle.isEmpty()) {
+            return;
+        }
+        String name = pick(List.copyOf(oracle.keySet()));
+        String newName = "item" + named++;
+        world.rename(world.find(name).orElseThrow().id(), newName);
+        Map<String, Expected> before = new LinkedHashMap<>(oracle);
+        oracle.clear();
+        before.forEach((key, expected) -> {
+            expected.references.replaceAll((property, to) -> to.equals(name) ? newName : to);
+            oracle.put(key.equals(name) ? newName : key, expected);
+        });
+    }
+
+    private void clear() {
+        List<String> bodies = names("body", true);
+        if (bodies.isEmpty()) {
+            return;
+        }
+        String name = pick(bodies);
+        Item item = world.find(name).orElseThrow();
+        if (referring(Set.of(name)).isEmpty()) {
+            item.physics().clear();
+            oracle.get(name).physics = false;
+            oracle.get(name).numbers.clear();
+        } else {
+            assertThatIllegalArgumentException().isThrownBy(item.physics()::clear)
+                    .withMessageContaining("cannot become scenery");
+        }
     }
 
     private void redirect() {

@@ -6,7 +6,7 @@ import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
-import reve.core.derive.BoundingBoxes;
+import reve.core.derive.DerivedColumns;
 import reve.core.file.LawReference;
 import reve.core.file.WorldDescription;
 import reve.core.frame.CommandQueue;
@@ -93,7 +93,7 @@ public final class Simulation implements AutoCloseable {
         }
         commands.subscribeTo(bus);
         bus.subscribe(FramePhase.PHYSICS, "physics", physics);
-        BoundingBoxes.subscribeTo(bus);
+        DerivedColumns.subscribeTo(bus);
         onPublish("snapshots", this::publish);
         onPublish("run events", events);
     }

@@ -1,0 +1,119 @@
+package reve.core.world;
+
+/**
+ * A place [m] and a rotation (unit quaternion xyzw) in some frame, that of the world or of an item.
+ * Immutable.
+ */
+public record Pose(double x, double y, double z, double qx, double qy, double qz, double qw) {
+
+    /** Numbers of a pose in an array: location, then orientation. */
+    static final int NUMBERS = 7;
+
+    public static final Pose ORIGIN = new Pose(0, 0, 0, 0, 0, 0, 1);
+
+    /**
+     * @throws IllegalArgumentException if a number is not finite or the quaternion is not of
+     *     length 1 (to 1e-6)
+     */
+    public Pose {
+        double length = Math.sqrt(qx * qx + qy * qy + qz * qz + qw * qw);
+        if (!Double.isFinite(x) || !Double.isFinite(y) || !Double.isFinite(z)
+                || !(Math.abs(length - 1) <= 1e-6)) {
+            throw new IllegalArgumentException("pose at " + x + ", " + y + ", " + z
+                    + " with orientation " + qx + ", " + qy + ", " + qz + ", " + qw
+                    + ": expected finite numbers and a quaternion of length 1");
+        }
+    }
+
+    /**
+     * @param location (3) [m]
+     * @param orientation quaternion xyzw (4) of any length but 0; it is normalised
+     */
+    public static Pose of(double[] location, double[] orientation) {
+        double[] unit = orientation.clone();
+        normalise(unit, 0);
+        return new Pose(location[0], location[1], location[2], unit[0], unit[1], unit[2], unit[3]);
+    }
+
+    /** As {@link #of}, of a quaternion that is of length 1 already and kept to the bit. */
+    static Pose exactly(double[] location, double[] orientation) {
+        return new Pose(location[0], location[1], location[2], orientation[0], orientation[1],
+                orientation[2], orientation[3]);
+    }
+
+    /** Place (3) [m]. */
+    public double[] location() {
+        return new double[] {x, y, z};
+    }
+
+    /** Unit quaternion xyzw (4). */
+    public double[] orientation() {
+        return new double[] {qx, qy, qz, qw};
+    }
+
+    /** This pose, given in the frame of an outer one, in the frame that the outer one is given in. */
+    public Pose within(Pose outer) {
+        double[] out = new double[NUMBERS];
+        compose(outer.numbers(), 0, numbers(), 0, out, 0);
+        return of(out);
+    }
+
+    /** The pose that {@link #within} turns into this one. */
+    public Pose relativeTo(Pose outer) {
+        double[] inverse = {0, 0, 0, -outer.qx, -outer.qy, -outer.qz, outer.qw};
+        double[] moved = {x - outer.x, y - outer.y, z - outer.z, qx, qy, qz, qw};
+        double[] out = new double[NUMBERS];
+        compose(inverse, 0, moved, 0, out, 0);
+        return of(out);
+    }
+
+    static Pose of(double[] numbers) {
+        return new Pose(numbers[0], numbers[1], numbers[2], numbers[3], numbers[4], numbers[5],
+                numbers[6]);
+    }
+
+    double[] numbers() {
+        return new double[] {x, y, z, qx, qy, qz, qw};
+    }
+
+    /**
+     * The inner pose in the frame of the outer one's frame; {@code out} may be either of them. The
+     * inner place turned by q is v + 2w(u x v) + 2u x (u x v), with q = (u, w).
+     */
+    static void compose(double[] outer, int at, double[] inner, int innerAt, double[] out,
+            int outAt) {
+        double ux = outer[at + 3];
+        double uy = outer[at + 4];
+        double uz = outer[at + 5];
+        double w = outer[at + 6];
+        double vx = inner[innerAt];
+        double vy = inner[innerAt + 1];
+        double vz = inner[innerAt + 2];
+        double ix = inner[innerAt + 3];
+        double iy = inner[innerAt + 4];
+        double iz = inner[innerAt + 5];
+        double iw = inner[innerAt + 6];
+        double tx = 2 * (uy * vz - uz * vy);
+        double ty = 2 * (uz * vx - ux * vz);
+        double tz = 2 * (ux * vy - uy * vx);
+        out[outAt] = outer[at] + (vx + w * tx + (uy * tz - uz * ty));
+        out[outAt + 1] = outer[at + 1] + (vy + w * ty + (uz * tx - ux * tz));
+        out[outAt + 2] = outer[at + 2] + (vz + w * tz + (ux * ty - uy * tx));
+        out[outAt + 3] = w * ix + ux * iw + (uy * iz - uz * iy);
+        out[outAt + 4] = w * iy + uy * iw + (uz * ix - ux * iz);
+        out[outAt + 5] = w * iz + uz * iw + (ux * iy - uy * ix);
+        out[outAt + 6] = w * iw - (ux * ix + uy * iy + uz * iz);
+        normalise(out, outAt + 3);
+    }
+
+    /** Keeps products of many rotations from growing or shrinking; 0 stays 0. */
+    private static void normalise(double[] values, int at) {
+        double length = Math.sqrt(values[at] * values[at] + values[at + 1] * values[at + 1]
+                + values[at + 2] * values[at + 2] + values[at + 3] * values[at + 3]);
+        if (length > 0) {
+            for (int i = at; i < at + 4; i++) {
+                values[i] /= length;
+            }
+        }
+    }
+}

@@ -1,0 +1,63 @@
+package reve.core.world;
+
+import java.util.List;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * Something in a world that became different because somebody said so: not by a law, and not
+ * worked out in DERIVE. {@link World#changes()} has those of a frame. Immutable; made again in
+ * the same order on an equal world they make an equal world.
+ */
+public sealed interface WorldChange {
+
+    /** The part of an item that an edit changed. */
+    enum Aspect {
+        PHYSICAL, SEMANTIC, ACCESS, PHYSICS
+    }
+
+    /**
+     * Items came, all at once, as their definitions say.
+     *
+     * @param first the id of the first one; those of the others follow without a gap
+     */
+    record Added(ItemId first, List<ItemDefinition> definitions) implements WorldChange {}
+
+    /**
+     * An item went.
+     *
+     * @param cascade those that went with it because they referred to it or were attached to it
+     */
+    record Removed(ItemId item, String name, List<ItemId> cascade) implements WorldChange {}
+
+    /** An item is called something else. */
+    record Renamed(ItemId item, String from, String to) implements WorldChange {}
+
+    /**
+     * An item moves with another from now on.
+     *
+     * @param from what it was attached to before, null for nothing
+     */
+    record Attached(ItemId item, @Nullable Attachment from, Attachment to) implements WorldChange {}
+
+    /** An item moves on its own again. */
+    record Detached(ItemId item, Attachment from) implements WorldChange {}
+
+    /**
+     * Part of an aspect got another value. Numbers of columns are a {@code List<Double>}, references a
+     * {@code List<ItemId>}, symbols text, truth or Double; what an item looks like is a {@link
+     * Shape} or {@link Colour}, and what it can do an {@link Action}.
+     *
+     * @param property the part: a physics property, a symbol, an action, or {@code location},
+     *     {@code orientation}, {@code shape}, {@code colour}
+     * @param from null if the item had none: scenery no physics property, an item no such symbol
+     * @param to null if the item has none from now on
+     */
+    record Edited(ItemId item, Aspect aspect, String property, @Nullable Object from,
+            @Nullable Object to) implements WorldChange {}
+
+    /**
+     * Numbers of any rows were written to a column directly, through {@link Column}. Told once a
+     * frame; what they are now the column says.
+     */
+    record ColumnEdited(String kind, String property) implements WorldChange {}
+}
