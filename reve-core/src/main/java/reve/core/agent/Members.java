@@ -29,11 +29,14 @@ public final class Members {
     private final Map<String, Body> bodies = new HashMap<>();
     private final Set<String> lent = new HashSet<>();
 
-    /** @param made true if the item exists for this agent only and goes with it */
+    /**
+     * @param name what it was called when the agent came
+     * @param made true if the item exists for this agent only and goes with it
+     */
     private record Body(ItemId id, String name, boolean made) {
 
         Optional<Item> in(World world) {
-            return world.find(name).filter(item -> item.id().equals(id));
+            return world.find(id);
         }
     }
 

@@ -256,6 +256,12 @@ public final class World {
         return Optional.ofNullable(itemsByName.get(itemName));
     }
 
+    /** The item of that id, as long as it is there. */
+    public Optional<Item> find(ItemId id) {
+        checkOwner();
+        return Optional.ofNullable(items.get(id));
+    }
+
     /** @throws IllegalArgumentException if there is no such item (any more) */
     public Item item(ItemId id) {
         checkOwner();
