@@ -13,9 +13,9 @@
 
 namespace vesper {
 
-/** Sums over all pairs of bodies. Same bits for any number of threads and on every processor: the
- *  rows are dealt out in a number of shares that depends on the number of bodies alone, each share
- *  has sums of its own, and these are added up in order. */
+/** Sums over all pairs of bodies. Same bits for any number of threads and, with portable roots, on
+ *  every processor: the rows are dealt out in a number of shares that depends on the number of
+ *  bodies alone, each share has sums of its own, and these are added up in order. */
 template <class Real>
 class AllPairs {
  public:
@@ -46,23 +46,23 @@ class AllPairs {
    *  with its weight w and position x [m], softening [m]. One row per body, as many as
    *  Resize was told; `step` has ParallelFor as vesper::Step. */
   template <class Step>
-  void Attract(const Step& step, double constant, double softening, std::span<const Real> weight,
-               std::span<const Vec3<Real>> position, std::span<Vec3<Real>> force) {
+  void Attract(const Step& step, ReciprocalRoot root, double constant, double softening,
+               std::span<const Real> weight, std::span<const Vec3<Real>> position,
+               std::span<Vec3<Real>> force) {
     const Scales scales = Pack(weight, position, softening);
     const auto softening2 = std::max(static_cast<Real>(Square(softening * scales.length)), kLeast);
     step.ParallelFor(shares_.size(), 1, [&](uint64_t begin, uint64_t end) {
-      for (uint64_t s = begin; s < end; ++s) SumShare(s, softening2);
+      for (uint64_t s = begin; s < end; ++s) SumShare(s, root, softening2);
     });
-    const double factor = constant * Square(scales.length) / scales.weight;
+    const double factor = constant * Square(scales.length / scales.weight);
     step.ParallelFor(packets_.size(), kPacketGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t p = begin; p < end; ++p) {
         const SumPacket<Real> sum = SumOfShares(p);
         const uint64_t first = p * kSize, bodies = std::min(kSize, weight.size() - first);
         for (uint64_t i = 0; i < bodies; ++i) {
-          const double pull = factor * static_cast<double>(weight[first + i]);
-          force[first + i] += {static_cast<Real>(pull * static_cast<double>(sum.x[i])),
-                               static_cast<Real>(pull * static_cast<double>(sum.y[i])),
-                               static_cast<Real>(pull * static_cast<double>(sum.z[i]))};
+          force[first + i] += {static_cast<Real>(factor * static_cast<double>(sum.x[i])),
+                               static_cast<Real>(factor * static_cast<double>(sum.y[i])),
+                               static_cast<Real>(factor * static_cast<double>(sum.z[i]))};
         }
       }
     });
@@ -89,11 +89,12 @@ class AllPairs {
   static constexpr uint64_t kRowsOfShare = 8;   // packets, at least
   static constexpr uint64_t kMaxShares = 32;    // bounds the memory
   static constexpr uint64_t kPacketGrain = 256; // that a thread finishes at once
-  // Lengths are scaled so that the largest is below 2^kExtent: far from it, r^-3 times a weight has
-  // room on both sides. kLeast, the least softening squared, keeps r^-3 finite where bodies meet.
+  // Lengths are scaled to below 2^kExtent and weights to below 2^kHeaviest: so a pair's r^-3 times
+  // both weights is a number, however near it is, and keeps its digits, however far and light.
+  // kLeast, the least softening squared, keeps r^-3 finite where bodies meet.
   static constexpr bool kSingle = sizeof(Real) == 4;
-  static constexpr int kExtent = kSingle ? 20 : 100;
-  static constexpr Real kLeast = kSingle ? Real(0x1p-82) : Real(0x1p-600);
+  static constexpr int kExtent = kSingle ? 0 : 100, kHeaviest = kSingle ? 4 : 0;
+  static constexpr Real kLeast = kSingle ? Real(0x1p-78) : Real(0x1p-600);
 
   struct Share {
     uint64_t first;  // row, in packets; the last is before that of the next share
@@ -127,7 +128,7 @@ class AllPairs {
     }
     const double largest = static_cast<double>(std::max({extent.x, extent.y, extent.z}));
     const Scales scales{Scale(std::max(largest, softening), kExtent),
-                        Scale(static_cast<double>(heaviest), 0)};
+                        Scale(static_cast<double>(heaviest), kHeaviest)};
     const auto scaled = [](Real x, double by) {
       return static_cast<Real>(static_cast<double>(x) * by);
     };
@@ -144,12 +145,12 @@ class AllPairs {
     return scales;
   }
 
-  void SumShare(uint64_t s, Real softening2) {
+  void SumShare(uint64_t s, ReciprocalRoot root, Real softening2) {
     const uint64_t first = shares_[s].first, count = packets_.size();
     const uint64_t last = s + 1 < shares_.size() ? shares_[s + 1].first : count;
     SumPacket<Real>* sums = sums_.data() + shares_[s].sums;
     std::fill_n(sums, count - first, SumPacket<Real>{});
-    SumPairs(set_, packets_.data() + first, last - first, count - first, softening2, sums);
+    SumPairs(set_, root, packets_.data() + first, last - first, count - first, softening2, sums);
   }
 
   SumPacket<Real> SumOfShares(uint64_t p) const {

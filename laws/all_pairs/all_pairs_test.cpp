@@ -45,11 +45,12 @@ struct Cloud {
   }
 
   template <class Step = Forwards>
-  void Attract(InstructionSet set, double softening) {
+  void Attract(InstructionSet set, double softening,
+               ReciprocalRoot root = ReciprocalRoot::kPortable) {
     AllPairs<Real> pairs(set);
     pairs.Resize(weight.size());
     force.assign(weight.size(), {});
-    pairs.Attract(Step{}, 2.5, softening, weight, position, force);
+    pairs.Attract(Step{}, root, 2.5, softening, weight, position, force);
   }
 
   /// Root mean square of the relative error, against sums in long double of every tenth body.
@@ -113,10 +114,12 @@ TYPED_TEST(AllPairsTest, EveryInstructionSetGivesTheSameBits) {
 }
 
 TYPED_TEST(AllPairsTest, OrderOfTheSharesChangesNoBit) {
-  Cloud<TypeParam> a(5000), b(5000);
-  a.Attract(BestInstructionSet(), 0);
-  b.template Attract<Backwards>(BestInstructionSet(), 0);
-  EXPECT_TRUE(SameBits(a.force, b.force));
+  for (const auto root : {ReciprocalRoot::kPortable, ReciprocalRoot::kApproximate}) {
+    Cloud<TypeParam> a(5000), b(5000);
+    a.Attract(BestInstructionSet(), 0, root);
+    b.template Attract<Backwards>(BestInstructionSet(), 0, root);
+    EXPECT_TRUE(SameBits(a.force, b.force)) << "root " << static_cast<int>(root);
+  }
 }
 
 TYPED_TEST(AllPairsTest, ErrorIsThatOfRounding) {
@@ -130,6 +133,17 @@ TYPED_TEST(AllPairsTest, ErrorIsThatOfRounding) {
   }
 }
 
+TYPED_TEST(AllPairsTest, ErrorWithApproximateRootsIsThatOfRoundingToo) {
+  for (const InstructionSet set : Sets()) {
+    for (const double softening : {0.0, 0.125}) {
+      Cloud<TypeParam> cloud(1000);
+      cloud.Attract(set, softening, ReciprocalRoot::kApproximate);
+      EXPECT_LT(cloud.Error(softening), sizeof(TypeParam) == 4 ? 1e-6 : 1e-14)
+          << "instruction set " << static_cast<int>(set) << ", softening " << softening;
+    }
+  }
+}
+
 // r^3 of these would not be numbers of float any more.
 TYPED_TEST(AllPairsTest, LengthsNeedNotBeOfOrderOne) {
   for (const double size : {1e-14, 1e14}) {
@@ -137,6 +151,20 @@ TYPED_TEST(AllPairsTest, LengthsNeedNotBeOfOrderOne) {
     cloud.Attract(BestInstructionSet(), size / 8);
     EXPECT_LT(cloud.Error(size / 8), sizeof(TypeParam) == 4 ? 1e-6 : 1e-14) << "size " << size;
   }
+}
+
+TYPED_TEST(AllPairsTest, OneMayBeFarHeavierThanTheOthers) {
+  Cloud<TypeParam> cloud(300);
+  for (uint64_t i = 1; i < 300; ++i) cloud.weight[i] *= TypeParam(1e-30);
+  cloud.Attract(BestInstructionSet(), 0);
+  EXPECT_LT(cloud.Error(0), sizeof(TypeParam) == 4 ? 1e-6 : 1e-14);
+}
+
+TYPED_TEST(AllPairsTest, OneMayBeFarAwayFromTheOthers) {
+  Cloud<TypeParam> cloud(300, 1e-5);
+  cloud.position[0] = {0, 0, 1};
+  cloud.Attract(BestInstructionSet(), 0);
+  EXPECT_LT(cloud.Error(0), sizeof(TypeParam) == 4 ? 1e-6 : 1e-14);
 }
 
 TYPED_TEST(AllPairsTest, PotentialsOfAllPairsAreCountedOnce) {

@@ -31,6 +31,17 @@ HWY_INLINE V Fused(D d, V a, V b, V c) {
 #endif
 }
 
+/// c - a * b with one rounding.
+template <class D, class V = hwy::HWY_NAMESPACE::Vec<D>>
+HWY_INLINE V FusedMinus(D d, V a, V b, V c) {
+#if HWY_NATIVE_FMA
+  (void)d;
+  return hwy::HWY_NAMESPACE::NegMulAdd(a, b, c);
+#else
+  return Fused(d, hwy::HWY_NAMESPACE::Neg(a), b, c);
+#endif
+}
+
 }  // namespace HWY_NAMESPACE
 }  // namespace vesper
 HWY_AFTER_NAMESPACE();

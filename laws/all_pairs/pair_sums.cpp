@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <concepts>
 
 // On x86 that leaves the baseline (one lane), AVX2 with FMA, and AVX-512. Vectors of unknown length
 // do not fit the packets.
@@ -15,7 +14,7 @@
 #include "hwy/foreach_target.h"
 #include "hwy/highway.h"
 
-#include "all_pairs/fused-inl.hpp"
+#include "all_pairs/inverse_cube-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
 namespace vesper {
@@ -26,56 +25,6 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Rows of a group share what is loaded of the columns.
 constexpr uint64_t kGroup = 4;
 
-/// c - a * b with one rounding.
-template <class D, class V = hn::Vec<D>>
-HWY_INLINE V FusedMinus(D d, V a, V b, V c) {
-#if HWY_NATIVE_FMA
-  (void)d;
-  return hn::NegMulAdd(a, b, c);
-#else
-  return Fused(d, hn::Neg(a), b, c);
-#endif
-}
-
-/// r^-3 from r^2 > 0. The guess of r^-1 halves the exponent with integers (the relative error of
-/// its square is below 0.0682), and a polynomial in that error, fitted by the Remez algorithm,
-/// corrects but for a relative error of 2.5e-7 at most.
-template <class D, class V = hn::Vec<D>>
-  requires std::same_as<hn::TFromD<D>, float>
-HWY_INLINE V InverseCube(D d, V r2) {
-  const hn::RebindToUnsigned<D> bits;
-  const V guess = hn::BitCast(
-      d, hn::Sub(hn::Set(bits, 0x5f374740u), hn::ShiftRight<1>(hn::BitCast(bits, r2))));
-  const V square = hn::Mul(guess, guess);
-  const V error = FusedMinus(d, r2, square, hn::Set(d, 1.0f));
-  V p = hn::Set(d, 2.475466067017039f);
-  p = Fused(d, p, error, hn::Set(d, 2.2033037681568617f));
-  p = Fused(d, p, error, hn::Set(d, 1.874992191764453f));
-  p = Fused(d, p, error, hn::Set(d, 1.499981628924616f));
-  p = Fused(d, p, error, hn::Set(d, 0.9999999929482946f));
-  return hn::Mul(hn::Mul(guess, square), p);
-}
-
-/// As above, in two steps: after the first the error is below 1.5e-6.
-template <class D, class V = hn::Vec<D>>
-  requires std::same_as<hn::TFromD<D>, double>
-HWY_INLINE V InverseCube(D d, V r2) {
-  const hn::RebindToUnsigned<D> bits;
-  const V one = hn::Set(d, 1.0);
-  const V guess = hn::BitCast(d, hn::Sub(hn::Set(bits, uint64_t{0x5fe6e8e800000000}),
-                                         hn::ShiftRight<1>(hn::BitCast(bits, r2))));
-  V error = FusedMinus(d, r2, hn::Mul(guess, guess), one);
-  V p = hn::Set(d, 0.31390734536595183);
-  p = Fused(d, p, error, hn::Set(d, 0.3762752079965376));
-  p = Fused(d, p, error, hn::Set(d, 0.49999843251860854));
-  p = Fused(d, p, error, hn::Set(d, 0.999999258434372));
-  const V inverse = hn::Mul(guess, p);
-  const V square = hn::Mul(inverse, inverse);
-  error = FusedMinus(d, r2, square, one);
-  p = Fused(d, hn::Set(d, 1.875), error, hn::Set(d, 1.5));
-  return hn::Mul(hn::Mul(inverse, square), Fused(d, p, error, one));
-}
-
 /// Some lanes of a group's sums, in registers.
 template <class V>
 struct GroupSums {
@@ -84,7 +33,7 @@ struct GroupSums {
 
 /// The rows [row, row + kGroup) of a packet with the lanes from `lane` on of another, or of the
 /// same one: then each pair comes up from both sides, and only the rows get sums.
-template <bool both, class Real, class D, class V = hn::Vec<D>>
+template <class Root, bool both, class Real, class D, class V = hn::Vec<D>>
 HWY_INLINE void SumBlock(D d, const BodyPacket<Real>& rows, uint64_t row,
                          const BodyPacket<Real>& columns, uint64_t lane, V softening2,
                          GroupSums<V>& group, SumPacket<Real>* sums) {
@@ -102,16 +51,16 @@ HWY_INLINE void SumBlock(D d, const BodyPacket<Real>& rows, uint64_t row,
     const V dy = hn::Sub(y, hn::Set(d, rows.y[row + u]));
     const V dz = hn::Sub(z, hn::Set(d, rows.z[row + u]));
     const V r2 = Fused(d, dx, dx, Fused(d, dy, dy, Fused(d, dz, dz, softening2)));
-    const V cube = InverseCube(d, r2);
-    const V pull = hn::Mul(cube, weight);
-    group.x[u] = Fused(d, pull, dx, group.x[u]);
-    group.y[u] = Fused(d, pull, dy, group.y[u]);
-    group.z[u] = Fused(d, pull, dz, group.z[u]);
+    const V strength =
+        hn::Mul(Root::InverseCube(d, r2), hn::Mul(weight, hn::Set(d, rows.weight[row + u])));
+    const V fx = hn::Mul(strength, dx), fy = hn::Mul(strength, dy), fz = hn::Mul(strength, dz);
+    group.x[u] = hn::Add(group.x[u], fx);
+    group.y[u] = hn::Add(group.y[u], fy);
+    group.z[u] = hn::Add(group.z[u], fz);
     if constexpr (both) {
-      const V back = hn::Mul(cube, hn::Set(d, rows.weight[row + u]));
-      sx = FusedMinus(d, back, dx, sx);
-      sy = FusedMinus(d, back, dy, sy);
-      sz = FusedMinus(d, back, dz, sz);
+      sx = hn::Sub(sx, fx);
+      sy = hn::Sub(sy, fy);
+      sz = hn::Sub(sz, fz);
     }
   }
   if constexpr (both) {
@@ -148,7 +97,7 @@ HWY_INLINE Real SumOfPacket(const Real* lanes) {
 
 /// The rows [row, row + kGroup) of packet p with the packets [begin, end), p among them at most as
 /// the first.
-template <class Real>
+template <class Root, class Real>
 HWY_INLINE void SumGroup(const BodyPacket<Real>* bodies, uint64_t p, uint64_t row, uint64_t begin,
                          uint64_t end, Real softening, SumPacket<Real>* sums) {
   constexpr uint64_t kSize = BodyPacket<Real>::kSize;
@@ -162,11 +111,11 @@ HWY_INLINE void SumGroup(const BodyPacket<Real>* bodies, uint64_t p, uint64_t ro
     for (uint64_t u = 0; u < kGroup; ++u) group.x[u] = group.y[u] = group.z[u] = hn::Zero(d);
     uint64_t q = begin;
     if (q == p) {
-      SumBlock<false, Real>(d, bodies[p], row, bodies[p], lane, softening2, group, nullptr);
+      SumBlock<Root, false, Real>(d, bodies[p], row, bodies[p], lane, softening2, group, nullptr);
       ++q;
     }
     for (; q < end; ++q) {
-      SumBlock<true, Real>(d, bodies[p], row, bodies[q], lane, softening2, group, sums + q);
+      SumBlock<Root, true, Real>(d, bodies[p], row, bodies[q], lane, softening2, group, sums + q);
     }
 #pragma GCC unroll 8
     for (uint64_t u = 0; u < kGroup; ++u) {
@@ -185,16 +134,26 @@ HWY_INLINE void SumGroup(const BodyPacket<Real>* bodies, uint64_t p, uint64_t ro
 // Packets of columns that stay in the first-level cache while the rows pass by.
 constexpr uint64_t kTile = 64;
 
-template <class Real>
-void SumPairs(const BodyPacket<Real>* bodies, uint64_t rows, uint64_t count, Real softening2,
-              SumPacket<Real>* sums) {
+template <class Root, class Real>
+HWY_INLINE void SumTiles(const BodyPacket<Real>* bodies, uint64_t rows, uint64_t count,
+                         Real softening2, SumPacket<Real>* sums) {
   for (uint64_t begin = 0; begin < count; begin += kTile) {
     const uint64_t end = std::min(begin + kTile, count);
     for (uint64_t p = 0; p < std::min(rows, end); ++p) {
       for (uint64_t row = 0; row < BodyPacket<Real>::kSize; row += kGroup) {
-        SumGroup(bodies, p, row, std::max(begin, p), end, softening2, sums);
+        SumGroup<Root>(bodies, p, row, std::max(begin, p), end, softening2, sums);
       }
     }
+  }
+}
+
+template <class Real>
+void SumPairs(ReciprocalRoot root, const BodyPacket<Real>* bodies, uint64_t rows, uint64_t count,
+              Real softening2, SumPacket<Real>* sums) {
+  if (root == ReciprocalRoot::kApproximate) {
+    SumTiles<ApproximateRoot>(bodies, rows, count, softening2, sums);
+  } else {
+    SumTiles<PortableRoot>(bodies, rows, count, softening2, sums);
   }
 }
 
@@ -268,15 +227,16 @@ InstructionSet BestInstructionSet() {
   return InstructionSet::kBaseline;
 }
 
-void SumPairs(InstructionSet set, const BodyPacket<float>* bodies, uint64_t rows, uint64_t count,
-              float softening2, SumPacket<float>* sums) {
-  VESPER_DISPATCH(set, SumPairs<float>)(bodies, rows, count, softening2, sums);
+template <class Real>
+void SumPairs(InstructionSet set, ReciprocalRoot root, const BodyPacket<Real>* bodies,
+              uint64_t rows, uint64_t count, Real softening2, SumPacket<Real>* sums) {
+  VESPER_DISPATCH(set, SumPairs<Real>)(root, bodies, rows, count, softening2, sums);
 }
 
-void SumPairs(InstructionSet set, const BodyPacket<double>* bodies, uint64_t rows, uint64_t count,
-              double softening2, SumPacket<double>* sums) {
-  VESPER_DISPATCH(set, SumPairs<double>)(bodies, rows, count, softening2, sums);
-}
+template void SumPairs(InstructionSet, ReciprocalRoot, const BodyPacket<float>*, uint64_t,
+                       uint64_t, float, SumPacket<float>*);
+template void SumPairs(InstructionSet, ReciprocalRoot, const BodyPacket<double>*, uint64_t,
+                       uint64_t, double, SumPacket<double>*);
 
 double SumPotentials(InstructionSet set, const BodyPacket<double>* bodies, uint64_t count,
                      double softening2) {

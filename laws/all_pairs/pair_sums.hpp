@@ -25,17 +25,22 @@ enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
 /// The best one that this processor has.
 InstructionSet BestInstructionSet();
 
+/// Where a pair's 1/r comes from.
+enum class ReciprocalRoot {
+  kPortable,     ///< from arithmetic that gives the same bits on every processor
+  kApproximate,  ///< from the processor's approximation, corrected: as good, faster, bits its own
+};
+
 /** The pairs of bodies of which at least one is in the first `rows` of `count` packets. Adds to the
  *  sums of each body i
  *
- *      sum over j of weight_j (x_j - x_i) / (|x_j - x_i|^2 + softening2)^(3/2)
+ *      sum over j of weight_i weight_j (x_j - x_i) / (|x_j - x_i|^2 + softening2)^(3/2)
  *
- *  with an error of some roundings. softening2 > 0; where it alone is left, its power -3/2 must be
- *  a number. sums: (count). */
-void SumPairs(InstructionSet set, const BodyPacket<float>* bodies, uint64_t rows, uint64_t count,
-              float softening2, SumPacket<float>* sums);
-void SumPairs(InstructionSet set, const BodyPacket<double>* bodies, uint64_t rows, uint64_t count,
-              double softening2, SumPacket<double>* sums);
+ *  with an error of some roundings. softening2 > 0; where it alone is left, its power -3/2 times two
+ *  weights must be a number. sums: (count). */
+template <class Real>
+void SumPairs(InstructionSet set, ReciprocalRoot root, const BodyPacket<Real>* bodies,
+              uint64_t rows, uint64_t count, Real softening2, SumPacket<Real>* sums);
 
 /** Sum over all pairs of weight_i weight_j / sqrt(|x_j - x_i|^2 + softening2); a pair with 0 under
  *  the root adds nothing. */

@@ -37,8 +37,8 @@ class BarnesHutGravitation {
     };
     RequireUsable(parallel);
     if (FewBodies()) {
-      pairs_.Attract(step, double{gravitational_constant_[0]}, Softening(), mass_, position_,
-                     force_);
+      pairs_.Attract(step, ReciprocalRoot::kPortable, double{gravitational_constant_[0]},
+                     Softening(), mass_, position_, force_);
       return;
     }
     tree_.Build(parallel, position_, mass_, kLeaf);

@@ -12,6 +12,8 @@ struct NewtonGravitation {
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
 
+  Parameter fast{"fast", "Above 0: roots from the processor's approximation; bits differ with it.",
+                 units::one, 0, 0, 1};
   Read<Real> gravitational_constant{"gravitationalConstant", "world",
                                     units::gravitational_constant};
   OptionalRead<Real> softening{"softening", "world", units::metre};
@@ -19,6 +21,7 @@ struct NewtonGravitation {
   Read<Vec3<Real>> position{"position", "body", units::metre};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
 
+  auto Parameters() { return std::tie(fast); }
   auto Properties() {
     return std::tie(gravitational_constant, softening, mass, position, force);
   }
@@ -27,7 +30,10 @@ struct NewtonGravitation {
 
   void Advance(const Step& step) {
     if (gravitational_constant.size() == 0) return;  // a world without its one row
-    pairs_.Attract(step, double{gravitational_constant[0]}, Softening(), mass, position, force);
+    const auto root =
+        fast.value() > 0 ? ReciprocalRoot::kApproximate : ReciprocalRoot::kPortable;
+    pairs_.Attract(step, root, double{gravitational_constant[0]}, Softening(), mass, position,
+                   force);
   }
 
   /** -G m m' / sqrt(r^2 + softening^2), summed over the pairs. */

@@ -11,11 +11,12 @@ struct Heavens : Scene<Real> {
   std::vector<Real> gravitational_constant = {1};  // (1) [m^3/(kg s^2)]
   std::vector<Real> softening = {0};               // (1) [m]
 
-  PhysicsEngine MakeEngine(const char* integrator = nullptr) {
-    PhysicsEngine engine = Scene<Real>::MakeEngine();
+  PhysicsEngine MakeEngine(const char* integrator = nullptr, double fast = 0,
+                           uint32_t threads = 1) {
+    PhysicsEngine engine = Scene<Real>::MakeEngine(threads);
     engine.PropertyProvider().AddPhysicalProperty("gravitationalConstant", gravitational_constant);
     engine.PropertyProvider().AddPhysicalProperty("softening", softening);
-    engine.LoadPhysicsLaw("newton_gravitation");
+    engine.LoadPhysicsLaw("newton_gravitation", {{"fast", fast}});
     if (integrator != nullptr) engine.LoadPhysicsLaw(integrator);
     return engine;
   }
@@ -170,6 +171,28 @@ TYPED_TEST(NewtonGravitationTest, ClusterKeepsMomentumAndAngularMomentum) {
   EXPECT_LT(Length(heavens.Momentum() - momentum), Rounding<TypeParam>(20000));
   EXPECT_LT(Length(heavens.AngularMomentum() - angular), Rounding<TypeParam>(200000));
   EXPECT_NEAR(heavens.Energy() / energy, 1, 0.02);
+}
+
+TYPED_TEST(NewtonGravitationTest, FastModeMovesAClusterAsTheDefaultDoes) {
+  auto exact = Heavens<TypeParam>{RandomNetwork<TypeParam>(100, 31)};
+  exact.softening = {1};
+  auto fast = exact;
+  const Vec3<double> momentum = fast.Momentum(), angular = fast.AngularMomentum();
+  exact.MakeEngine("newton_motion").Advance(1.0 / 240, 240);
+  fast.MakeEngine("newton_motion", 1).Advance(1.0 / 240, 240);
+  for (uint64_t i = 0; i < exact.mass.size(); ++i) {
+    EXPECT_NEAR(Length(fast.Place(i) - exact.Place(i)), 0, Rounding<TypeParam>(200)) << "body " << i;
+  }
+  EXPECT_LT(Length(fast.Momentum() - momentum), Rounding<TypeParam>(20000));
+  EXPECT_LT(Length(fast.AngularMomentum() - angular), Rounding<TypeParam>(200000));
+}
+
+TYPED_TEST(NewtonGravitationTest, FastModeGivesTheSameBitsForAnyNumberOfThreads) {
+  auto one = Heavens<TypeParam>{RandomNetwork<TypeParam>(1000, 32)};
+  auto three = one;
+  one.MakeEngine("newton_motion", 1, 1).Advance(1.0 / 240, 3);
+  three.MakeEngine("newton_motion", 1, 3).Advance(1.0 / 240, 3);
+  EXPECT_EQ(one.position, three.position);
 }
 
 // In SI units, where masses and lengths lie far apart; their products and cubes are no floats.
