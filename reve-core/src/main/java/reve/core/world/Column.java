@@ -89,6 +89,12 @@ public final class Column extends ColumnView {
         noteEdit();
     }
 
+    /** Takes over all rows of a copy, which is a change of the world and not of a column. */
+    void restore(MemorySegment rows) {
+        MemorySegment.copy(rows, 0, memory, 0, rows.byteSize());
+        version++;
+    }
+
     /** Tells the world of direct edits, the first time in a frame. */
     private void noteEdit() {
         if (!editNoted) {

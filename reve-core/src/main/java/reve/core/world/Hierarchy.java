@@ -1,6 +1,7 @@
 package reve.core.world;
 
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.Comparator;
 import java.util.HashSet;
 import java.util.List;
@@ -70,6 +71,22 @@ final class Hierarchy {
         if (child.parent != null) {
             child.parent.removeChild(child);
             attached.remove(child);
+        }
+        current = false;
+    }
+
+    /** Links all items of a restored world as their symbols say. */
+    void restore(Collection<Item> items) {
+        attached.clear();
+        for (Item item : items) {
+            item.parent = null;
+            item.children = null;
+        }
+        for (Item item : items) {
+            Attachment attachment = item.symbols().attachment();
+            if (attachment != null) {
+                link(item, item.world().item(attachment.parent()));
+            }
         }
         current = false;
     }

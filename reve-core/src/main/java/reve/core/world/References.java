@@ -61,6 +61,20 @@ final class References {
         }
     }
 
+    /** Counts anew how many references point at each item. */
+    void countAll() {
+        items.values().forEach(item -> item.referrers = 0);
+        for (Table table : tables) {
+            for (Column column : table.references()) {
+                for (int row = 0; row < table.physicsRowCount(); row++) {
+                    for (int i = 0; i < column.components(); i++) {
+                        count(column.getReference(row, i), 1);
+                    }
+                }
+            }
+        }
+    }
+
     /** Adds those that refer to any of the targets or are attached to one. */
     void addReferrers(Collection<Item> targets, Set<Item> into) {
         for (Item target : targets) {

@@ -182,9 +182,7 @@ public final class Table implements TableView {
         setRowCount(copy.rowCount());
         physicsRowCount = copy.physicsRowCount();
         for (int i = 0; i < allColumns.size(); i++) {
-            MemorySegment.copy(copy.column(i), 0, allColumns.get(i).segment(), 0,
-                    copy.column(i).byteSize());
-            allColumns.get(i).touch();
+            allColumns.get(i).restore(copy.column(i));
         }
         Arrays.fill(items, null);
         for (int row = 0; row < rowCount; row++) {

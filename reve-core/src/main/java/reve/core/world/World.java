@@ -247,7 +247,8 @@ public final class World {
         for (int i = 0; i < tables.size(); i++) {
             tables.get(i).restore(image.tables().get(i), id -> item(new ItemId(id)));
         }
-        tables.forEach(this::countReferences);
+        references.countAll();
+        hierarchy.restore(items.values());
         layoutVersion++;
     }
 
@@ -481,18 +482,7 @@ public final class World {
             item = new Item(this, table(itemSymbols.kind()), itemSymbols);
         }
         item.setSymbols(itemSymbols);
-        item.referrers = 0;
         return item;
-    }
-
-    private void countReferences(Table table) {
-        for (Column column : table.references()) {
-            for (int row = 0; row < table.physicsRowCount(); row++) {
-                for (int i = 0; i < column.components(); i++) {
-                    count(column.getReference(row, i), 1);
-                }
-            }
-        }
     }
 
     private static void requireSameColumns(Table table, TableCopy copy) {

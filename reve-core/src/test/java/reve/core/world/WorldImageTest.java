@@ -102,7 +102,8 @@ class WorldImageTest {
         for (int i = 0; i < times; i++) {
             List<Item> items = world.items();
             Item any = items.get(random.nextInt(items.size()));
-            switch (random.nextInt(6)) {
+            world.placeAttached();
+            switch (random.nextInt(9)) {
                 case 0, 1 -> add(world, random);
                 case 2 -> addSpring(world, random);
                 case 3 -> {
@@ -110,14 +111,35 @@ class WorldImageTest {
                         world.removeCascade(any.id());
                     }
                 }
-                case 4 -> any.semantic().set("mood", random.nextDouble());
+                case 4 -> attach(world, random, any);
+                case 5 -> {
+                    if (any.parent().isPresent()) {
+                        world.detach(any.id());
+                    }
+                }
+                case 6 -> {
+                    if (!any.kind().equals("world")) {
+                        world.rename(any.id(), "renamed " + random.nextLong());
+                    }
+                }
+                case 7 -> any.semantic().set("mood", random.nextDouble());
                 default -> {
                     if (any.kind().equals("body")) {
-                        any.physics().set("mass", random.nextDouble());
+                        any.physics().set("mass",
+                                any.parent().isPresent() ? 0 : random.nextDouble());
                         any.physical().setLocation(random.nextDouble(), 2, 3);
                     }
                 }
             }
+        }
+    }
+
+    /** Attaches to a younger body with no mass, so that no two can move with each other. */
+    private static void attach(World world, Random random, Item parent) {
+        List<Item> younger = world.items().stream().filter(item -> item.kind().equals("body")
+                && item.physics().isEmpty() && item.id().compareTo(parent.id()) > 0).toList();
+        if (parent.kind().equals("body") && !younger.isEmpty()) {
+            world.attach(younger.get(random.nextInt(younger.size())).id(), parent.id());
         }
     }
 
