@@ -14,6 +14,9 @@ import reve.core.world.WorldPrototype;
 
 /** Reads items with their four aspects, and then what they say about each other. */
 final class ItemReader {
+    /** Most values that come of prefabs and repetitions. */
+    static final int MAX_VALUES = 10_000_000;
+
     private final WorldPrototype prototype;
     private final Problems problems;
     private final PhysicsReader physics;
@@ -38,13 +41,13 @@ final class ItemReader {
     }
 
     /** All items under {@code items}, without those that have a problem. */
-    List<ItemDefinition> readAll(Node root) {
+    List<ItemDefinition> readAll(List<Node> nodes, Prefabs prefabs) throws WorldFileException {
         List<ItemDefinition> items = new ArrayList<>();
-        for (Node item : root.get("items").map(Node::children).orElse(List.of())) {
+        for (Node item : nodes) {
             if (problems.full()) {
                 break;
             }
-            read(item).ifPresent(items::add);
+            read(prefabs.complete(item)).ifPresent(items::add);
         }
         resolveReferences();
         return items;
@@ -75,6 +78,8 @@ final class ItemReader {
     /** The body that new agents get; the taker renames it. */
     ItemDefinition readTemplate(Node template) {
         ItemDefinition.Builder item = ItemDefinition.named("agent");
+        kind(template).filter(kind -> !kind.equals(WorldPrototype.BODY)).ifPresent(kind ->
+                problems.add(template, "body: is like a " + kind + ", expected a body"));
         readAspects(template, WorldPrototype.BODY, hasPhysics(template), item);
         return item.build();
     }
@@ -117,7 +122,7 @@ final class ItemReader {
         Entry first = byName.putIfAbsent(name.get(), new Entry(node, kind, hasPhysics(item)));
         if (first != null) {
             return refuse(node, "duplicate item name `" + Node.shorten(name.get())
-                    + "`, first on line " + first.name.line());
+                    + "`, first " + Problems.place(first.name, node));
         }
         try {
             return Optional.of(ItemDefinition.named(name.get()));

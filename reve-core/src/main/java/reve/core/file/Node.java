@@ -14,6 +14,7 @@ import org.jspecify.annotations.Nullable;
  * another type than asked for: that is for the schema to report, once.
  */
 final class Node {
+    private final String file;
     private final @Nullable Node parent;
     private final Object key;
     private final int keyLine;
@@ -23,8 +24,9 @@ final class Node {
     /** A map or list of nodes, String, Long, Double, Boolean, or null for nothing. */
     private final @Nullable Object value;
 
-    private Node(@Nullable Node parent, Object key, int keyLine, int keyColumn, int line,
-            int column, @Nullable Object value) {
+    private Node(String file, @Nullable Node parent, Object key, int keyLine, int keyColumn,
+            int line, int column, @Nullable Object value) {
+        this.file = file;
         this.parent = parent;
         this.key = key;
         this.keyLine = keyLine;
@@ -35,15 +37,48 @@ final class Node {
     }
 
     /** The outermost value of a file; {@code value} as {@link Slot#fill}. */
-    static Node root(int line, int column, @Nullable Object value) {
-        return new Node(null, "", line, column, line, column, value);
+    static Node root(String file, int line, int column, @Nullable Object value) {
+        return new Node(file, null, "", line, column, line, column, value);
+    }
+
+    /** Another value that takes the place of this one; as {@link Slot#fill}. */
+    Node withValue(@Nullable Object other) {
+        return new Node(file, parent, key, keyLine, keyColumn, line, column, other);
+    }
+
+    /**
+     * This mapping with all that it leaves open taken from another one: mappings under the same key
+     * are laid over each other in the same way, anything else here hides what is there. Every value
+     * keeps the place where it stands.
+     */
+    Node over(Node base) {
+        var fields = new LinkedHashMap<>(base.fieldMap());
+        fieldMap().forEach((name, value) -> fields.merge(name, value, (below, above) ->
+                above.isMapping() && below.isMapping() ? above.over(below) : above));
+        return withValue(fields);
+    }
+
+    /** How many values the mapping holds, and the mappings in it. */
+    int fieldCount() {
+        int count = 0;
+        for (Node field : children()) {
+            count += field.isMapping() ? 1 + field.fieldCount() : 1;
+        }
+        return count;
+    }
+
+    /** This mapping without one of its keys. */
+    Node without(String name) {
+        var fields = new LinkedHashMap<>(fieldMap());
+        fields.remove(name);
+        return withValue(fields);
     }
 
     /** A place in a mapping or a list that waits for its value. */
     record Slot(Node parent, Object key, int keyLine, int keyColumn) {
         /** @param value a new LinkedHashMap or ArrayList for a mapping or list, else the scalar */
         Node fill(int line, int column, @Nullable Object value) {
-            Node node = new Node(parent, key, keyLine, keyColumn, line, column, value);
+            Node node = new Node(parent.file, parent, key, keyLine, keyColumn, line, column, value);
             if (parent.value instanceof List<?>) {
                 parent.elementList().add(node);
             } else {
@@ -51,6 +86,11 @@ final class Node {
             }
             return node;
         }
+    }
+
+    /** The file that the value stands in, as messages call it. */
+    String file() {
+        return file;
     }
 
     int line() {

@@ -2,6 +2,7 @@ package reve.core.file;
 
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -51,9 +52,24 @@ final class PhysicsReader {
         }
     }
 
-    /** The constants of the world by name. */
-    Map<String, List<Double>> constants(Node aspect) {
+    /** The constants of the world by name, each given once. */
+    Map<String, List<Double>> constants(List<Node> aspects) {
         Map<String, List<Double>> values = new LinkedHashMap<>();
+        Map<String, Node> given = new HashMap<>();
+        for (Node aspect : aspects) {
+            for (Node value : aspect.children()) {
+                Node first = given.putIfAbsent(value.key(), value);
+                if (first != null) {
+                    problems.addAtKey(value, "duplicate constant `" + Node.shorten(value.key())
+                            + "`, first " + Problems.place(first, value));
+                }
+            }
+            readConstants(aspect, values);
+        }
+        return values;
+    }
+
+    private void readConstants(Node aspect, Map<String, List<Double>> values) {
         read(aspect, WorldPrototype.WORLD, new Sink() {
             @Override
             public void numbers(String property, double[] numbers) {
@@ -65,7 +81,6 @@ final class PhysicsReader {
                 throw new IllegalStateException("kind world has no references: " + property);
             }
         });
-        return values;
     }
 
     /**

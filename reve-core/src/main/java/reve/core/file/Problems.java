@@ -4,7 +4,10 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Pattern;
 
-/** Collects what is wrong with one file; stops taking more when nobody would read on. */
+/**
+ * Collects what is wrong with a world file and those that it includes; stops taking more when
+ * nobody would read on.
+ */
 final class Problems {
     /** Most problems that one report holds. */
     static final int MAX_REPORTED = 100;
@@ -12,34 +15,60 @@ final class Problems {
     private static final Pattern CONTROL_CHARACTER = Pattern.compile("\\p{Cc}");
 
     private final String file;
-    private final List<Problem> found = new ArrayList<>();
+    private final List<Problem> found;
 
     Problems(String file) {
+        this(file, new ArrayList<>());
+    }
+
+    private Problems(String file, List<Problem> found) {
         this.file = file;
+        this.found = found;
+    }
+
+    /** The same problems, to be told of another file. */
+    Problems of(String otherFile) {
+        return new Problems(otherFile, found);
+    }
+
+    /** The file that is being read. */
+    String file() {
+        return file;
     }
 
     /** Where a node's value begins, as {@code file:line:column}. */
-    String place(Node node) {
-        return file + ":" + node.line() + ":" + node.column();
+    static String place(Node node) {
+        return node.file() + ":" + node.line() + ":" + node.column();
+    }
+
+    /** Where another node stands, for messages: {@code on line 5}, or {@code in f.yaml:5}. */
+    static String place(Node other, Node here) {
+        return other.file().equals(here.file()) ? "on line " + other.line()
+                : "in " + other.file() + ":" + other.line();
     }
 
     /** Notes a problem with the value of a node; of a single value, the first one says enough. */
     void add(Node node, String message) {
         boolean single = !node.isMapping() && !node.isList();
-        if (!single || found.stream().noneMatch(
-                problem -> problem.pointer().equals(node.pointer()))) {
-            add(node.line(), node.column(), node.pointer(), message);
+        if (!single || found.stream().noneMatch(problem -> problem.file().equals(node.file())
+                && problem.pointer().equals(node.pointer()))) {
+            add(problem(node.file(), node.line(), node.column(), node.pointer(), message));
         }
     }
 
     /** Notes a problem with the key that a node stands under. */
     void addAtKey(Node node, String message) {
-        add(node.keyLine(), node.keyColumn(), node.pointer(), message);
+        add(problem(node.file(), node.keyLine(), node.keyColumn(), node.pointer(), message));
     }
 
     void add(int line, int column, String pointer, String message) {
-        if (!full()) {
-            found.add(problem(line, column, pointer, message));
+        add(problem(file, line, column, pointer, message));
+    }
+
+    /** What several items have from one place is told once. */
+    private void add(Problem problem) {
+        if (!full() && !found.contains(problem)) {
+            found.add(problem);
         }
     }
 
@@ -60,12 +89,13 @@ final class Problems {
 
     /** Notes a problem after which reading on makes no sense. */
     WorldFileException fatal(int line, int column, String message) {
-        found.add(problem(line, column, "", message));
+        found.add(problem(file, line, column, "", message));
         return exception();
     }
 
     /** What a file contains must not control the terminal that shows the message. */
-    private Problem problem(int line, int column, String pointer, String message) {
+    private static Problem problem(String file, int line, int column, String pointer,
+            String message) {
         return new Problem(file, line, column, pointer,
                 CONTROL_CHARACTER.matcher(message).replaceAll(" "));
     }
@@ -75,7 +105,7 @@ final class Problems {
         sorted.sort(null);
         if (full()) {
             Problem last = sorted.getLast();
-            sorted.add(new Problem(file, last.line(), last.column(), "",
+            sorted.add(new Problem(last.file(), last.line(), last.column(), "",
                     "no more than " + MAX_REPORTED + " problems are shown; there may be others"));
         }
         return new WorldFileException(sorted);

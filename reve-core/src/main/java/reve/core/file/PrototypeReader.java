@@ -18,10 +18,10 @@ final class PrototypeReader {
         this.problems = problems;
     }
 
-    /** The standard prototype that the file names, with the properties that it declares. */
-    WorldPrototype read(Node root) {
+    /** The standard prototype that the file names, with the properties that are declared. */
+    WorldPrototype read(Node root, List<Node> properties) {
         WorldPrototype prototype = standard(root);
-        for (Node property : root.get("properties").map(Node::children).orElse(List.of())) {
+        for (Node property : properties) {
             prototype = extend(prototype, property);
         }
         return prototype;

@@ -36,6 +36,7 @@ final class SchemaCheck {
     private static final SchemaRegistry REGISTRY = SchemaRegistry.withDefaultDialect(
             SpecificationVersion.DRAFT_2020_12, builder -> builder.schemas(Map.of(ID, SOURCE)));
     private static final Schema FILE = REGISTRY.getSchema(SchemaLocation.of(ID));
+    private static final Schema PART = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/part"));
     private static final Schema ITEM = REGISTRY.getSchema(SchemaLocation.of(ID + "#/$defs/item"));
     /** More elements than the schema allows in any list whose elements it describes. */
     private static final int MAX_ELEMENTS = 10_001;
@@ -49,9 +50,14 @@ final class SchemaCheck {
         this.problems = problems;
     }
 
-    /** Notes everything in the file that has not the form it should have. */
+    /** Notes everything in a world file that has not the form it should have. */
     static void check(Node root, Problems problems) {
-        new SchemaCheck(problems).check(root);
+        new SchemaCheck(problems).check(root, FILE);
+    }
+
+    /** As {@link #check}, of a file that is included. */
+    static void checkPart(Node root, Problems problems) {
+        new SchemaCheck(problems).check(root, PART);
     }
 
     /** As {@link #check}, of a single item. */
@@ -60,9 +66,9 @@ final class SchemaCheck {
     }
 
     /** Items are checked one by one: there may be many, and a hundred problems are enough. */
-    private void check(Node root) {
+    private void check(Node root, Schema schema) {
         ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));
-        report(FILE.validate(withoutItems), root);
+        report(schema.validate(withoutItems), root);
         for (Node item : root.get("items").filter(Node::isList).map(Node::children)
                 .orElse(List.of())) {
             if (problems.full()) {

@@ -12,7 +12,7 @@ import java.nio.file.Path;
 
 /** From a path to text: what is refused before any parser sees it. */
 final class SourceText {
-    /** Largest world file [bytes]. */
+    /** Largest world file, with all that it includes [bytes]. */
     static final int MAX_BYTES = 16 << 20;
     /** Longest stretch without any of {@link #BREAKS}; on longer ones a parser wastes seconds. */
     static final int MAX_STRETCH = 65_536;
@@ -22,11 +22,13 @@ final class SourceText {
     private SourceText() {}
 
     /**
-     * Reads a regular UTF-8 file of at most {@link #MAX_BYTES}.
+     * Reads a regular UTF-8 file.
      *
+     * @param bytes how many may be read
      * @throws IOException if the system cannot read it
      */
-    static String read(Path path, Problems problems) throws IOException, WorldFileException {
+    static String read(Path path, Problems problems, Allowance bytes)
+            throws IOException, WorldFileException {
         if (!Files.exists(path)) {
             throw problems.fatal(1, 1, "there is no such file");
         }
@@ -35,14 +37,15 @@ final class SourceText {
                     ? "a folder; name the world file in it" : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
-            return decode(in.readNBytes(MAX_BYTES + 1), problems);
+            return decode(in.readNBytes(MAX_BYTES + 1), problems, bytes);
         }
     }
 
-    static String decode(byte[] bytes, Problems problems) throws WorldFileException {
-        if (bytes.length > MAX_BYTES) {
+    static String decode(byte[] bytes, Problems problems, Allowance allowed)
+            throws WorldFileException {
+        if (!allowed.take(bytes.length)) {
             throw problems.fatal(1, 1, "larger than " + (MAX_BYTES >> 20)
-                    + " MiB, the limit for a world file");
+                    + " MiB, the limit for a world file with all that it includes");
         }
         CharsetDecoder decoder = StandardCharsets.UTF_8.newDecoder();
         CharBuffer text = CharBuffer.allocate(bytes.length);

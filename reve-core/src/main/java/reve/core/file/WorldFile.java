@@ -18,25 +18,25 @@ public final class WorldFile {
     private WorldFile() {}
 
     /**
-     * Reads and checks a whole file.
+     * Reads and checks a whole file, with those that it includes.
      *
      * @throws WorldFileException with all that is wrong with it, by line and column
      * @throws IOException if the system cannot read it
      */
     public static WorldDescription load(Path path) throws WorldFileException, IOException {
         var problems = new Problems(path.toString());
-        return read(SourceText.read(path, problems), problems);
+        return new WorldReader(problems).read(WorldSource.read(path, problems));
     }
 
     /**
-     * Reads and checks the bytes of a file.
+     * Reads and checks the bytes of a file, which cannot include others.
      *
      * @param name what problems call the file
      * @throws WorldFileException as {@link #load}
      */
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
         var problems = new Problems(name);
-        return read(SourceText.decode(content, problems), problems);
+        return new WorldReader(problems).read(WorldSource.parse(content, problems));
     }
 
     /**
@@ -50,18 +50,11 @@ public final class WorldFile {
     public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
             throws WorldFileException {
         var problems = new Problems(name);
-        Node item = YamlReader.read(text, problems);
+        Node item = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
         SchemaCheck.checkItem(item, problems);
         var physics = new PhysicsReader(prototype, Set.of(), problems);
         Optional<ItemDefinition> read = new ItemReader(prototype, physics, problems).readAlone(item);
         problems.throwIfAny();
         return read.orElseThrow();
-    }
-
-    private static WorldDescription read(String text, Problems problems)
-            throws WorldFileException {
-        Node root = YamlReader.read(text, problems);
-        SchemaCheck.check(root, problems);
-        return new WorldReader(problems).read(root);
     }
 }

@@ -24,18 +24,20 @@ final class WorldReader {
         this.quantities = new Quantities(problems);
     }
 
-    WorldDescription read(Node root) throws WorldFileException {
+    WorldDescription read(WorldSource source) throws WorldFileException {
+        Node root = source.world();
         var prototypeReader = new PrototypeReader(problems);
-        WorldPrototype prototype = prototypeReader.read(root);
+        WorldPrototype prototype = prototypeReader.read(root, source.all("properties"));
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
         var itemReader = new ItemReader(prototype, physics, problems);
-        List<ItemDefinition> items = itemReader.readAll(root);
-        List<LawReference> laws = laws(root);
-        Map<String, List<Double>> constants = root.get("constants")
-                .map(physics::constants).orElse(Map.of());
+        var expanded = new Allowance(ItemReader.MAX_VALUES);
+        var prefabs = new Prefabs(source.all("prefabs"), problems, expanded);
+        List<ItemDefinition> items = itemReader.readAll(source.all("items"), prefabs);
+        List<LawReference> laws = laws(source.all("laws"));
+        Map<String, List<Double>> constants = physics.constants(source.each("constants"));
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
-        AgentPolicy agents = root.get("agents").map(node -> agents(node, itemReader))
-                .orElse(AgentPolicy.none());
+        AgentPolicy agents = root.get("agents").isEmpty() ? AgentPolicy.none()
+                : agents(root.get("agents").get(), itemReader, prefabs);
         problems.throwIfAny();
         return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
                 timing(root), laws, constants, camera, agents, items);
@@ -57,19 +59,19 @@ final class WorldReader {
                 .map(Double::intValue).orElse(otherwise);
     }
 
-    private List<LawReference> laws(Node root) {
+    private List<LawReference> laws(List<Node> nodes) {
         List<LawReference> laws = new ArrayList<>();
         Map<String, Node> byName = new HashMap<>();
-        for (Node node : root.get("laws").map(Node::children).orElse(List.of())) {
+        for (Node node : nodes) {
             Optional<Node> nameNode = node.isMapping() ? node.get("name") : Optional.of(node);
             nameNode.flatMap(Node::text).ifPresent(name -> {
                 Node first = byName.putIfAbsent(name, nameNode.get());
                 if (first != null) {
                     problems.add(nameNode.get(), "duplicate law `" + Node.shorten(name)
-                            + "`, first on line " + first.line());
+                            + "`, first " + Problems.place(first, nameNode.get()));
                 }
                 laws.add(new LawReference(name, parameters(node),
-                        problems.place(nameNode.get())));
+                        Problems.place(nameNode.get())));
             });
         }
         return laws;
@@ -131,8 +133,11 @@ final class WorldReader {
             a[0] * b[1] - a[1] * b[0]};
     }
 
-    private static AgentPolicy agents(Node node, ItemReader itemReader) {
-        return new AgentPolicy(node.get("bodies").map(itemReader::readBodies).orElse(List.of()),
-                node.get("body").map(itemReader::readTemplate));
+    private static AgentPolicy agents(Node node, ItemReader itemReader, Prefabs prefabs)
+            throws WorldFileException {
+        List<String> bodies = node.get("bodies").map(itemReader::readBodies).orElse(List.of());
+        Optional<Node> body = node.get("body");
+        return new AgentPolicy(bodies, body.isEmpty() ? Optional.empty()
+                : Optional.of(itemReader.readTemplate(prefabs.complete(body.get()))));
     }
 }

@@ -33,34 +33,36 @@ import org.snakeyaml.engine.v2.resolver.ScalarResolver;
 final class YamlReader {
     /** Deepest nesting of mappings and lists. */
     static final int MAX_DEPTH = 32;
-    /** Most values, counting mappings and lists, in one file. */
+    /** Most values, counting mappings and lists, in a file and those that it includes. */
     static final int MAX_VALUES = 2_000_000;
     /** Longest text of a key or a value [characters]. */
     static final int MAX_TEXT_LENGTH = 65_536;
 
     private final Problems problems;
+    private final Allowance values;
     private final ScalarResolver resolver = new CoreScalarResolver(false);
     /** The mapping or list being read, innermost last. */
     private final Deque<Node> open = new ArrayDeque<>();
     private @Nullable Node root;
     /** A key whose value comes next. */
     private Node.@Nullable Slot waiting;
-    private int values;
     private int documents;
 
-    private YamlReader(Problems problems) {
+    private YamlReader(Problems problems, Allowance values) {
         this.problems = problems;
+        this.values = values;
     }
 
     /**
      * The outermost mapping of the text. Duplicate keys and numbers that are not finite are noted
      * in {@code problems} and reading goes on.
      *
+     * @param values how many may be read
      * @throws WorldFileException for what ends the reading: syntax, limits, refused YAML features
      */
-    static Node read(String text, Problems problems) throws WorldFileException {
+    static Node read(String text, Problems problems, Allowance values) throws WorldFileException {
         var settings = LoadSettings.builder().setCodePointLimit(Integer.MAX_VALUE).build();
-        var reader = new YamlReader(problems);
+        var reader = new YamlReader(problems, values);
         try {
             Iterator<Event> events = new Parse(settings).parseString(text).iterator();
             while (events.hasNext()) {
@@ -209,12 +211,12 @@ final class YamlReader {
         Mark mark = event.getStartMark().orElseThrow();
         int line = mark.getLine() + 1;
         int column = mark.getColumn() + 1;
-        if (++values > MAX_VALUES) {
-            throw problems.fatal(line, column, "more than " + MAX_VALUES + " values in one file");
+        if (!values.take(1)) {
+            throw problems.fatal(line, column, "more than " + MAX_VALUES + " values in all");
         }
         Node node;
         if (open.isEmpty()) {
-            node = Node.root(line, column, value);
+            node = Node.root(problems.file(), line, column, value);
             root = node;
         } else {
             Node parent = open.getLast();

@@ -56,7 +56,7 @@ class HostileFileTest {
                 attack("one text of many lines", START + "doc: |\n" + "  xxxxxxx\n".repeat(100_000),
                         "3:6: a text of 800000 characters; at most 65536 are allowed"),
                 attack("too many values", "a: [" + "1,".repeat(3_000_000),
-                        "1:4000001: more than 2000000 values in one file"),
+                        "1:4000001: more than 2000000 values in all"),
                 attack("open quote", START + "doc: \"" + "x\n".repeat(100_000), "100003:1: not "
                         + "valid YAML: while scanning a quoted scalar, found unexpected end of "
                         + "stream"),
@@ -161,7 +161,8 @@ class HostileFileTest {
         Path fifo = folder.resolve("fifo");
         assertThat(new ProcessBuilder("mkfifo", fifo.toString()).start().waitFor()).isZero();
 
-        assertThat(refusedFile(large)).isEqualTo("larger than 16 MiB, the limit for a world file");
+        assertThat(refusedFile(large)).isEqualTo(
+                "larger than 16 MiB, the limit for a world file with all that it includes");
         assertThat(refusedFile(fifo)).isEqualTo("not a regular file");
         assertThat(refusedFile(Path.of("/dev/zero"))).isEqualTo("not a regular file");
         assertThat(refusedFile(folder)).isEqualTo("a folder; name the world file in it");

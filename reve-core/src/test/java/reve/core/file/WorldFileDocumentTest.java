@@ -6,14 +6,18 @@ import static org.assertj.core.api.Assertions.catchThrowableOfType;
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.Shape;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
@@ -33,9 +37,15 @@ class WorldFileDocumentTest {
         return blocks;
     }
 
+    /** The YAML block that holds a line. */
+    private static String yaml(String line) throws IOException {
+        return blocks("yaml").stream().filter(block -> block.lines().anyMatch(line::equals))
+                .findFirst().orElseThrow();
+    }
+
     @Test
     void completeExampleBuildsAWorld() throws Exception {
-        WorldDescription description = WorldFileTest.parse(blocks("yaml").getFirst());
+        WorldDescription description = WorldFileTest.parse(yaml("name: bathtub"));
         try (var arena = new OffHeapArena()) {
             World world = description.build(arena);
             assertThat(world.items()).hasSize(5);
@@ -47,8 +57,23 @@ class WorldFileDocumentTest {
     }
 
     @Test
+    void aCartHasTheWheelsThatItIncludes(@TempDir Path folder) throws Exception {
+        Files.createDirectory(folder.resolve("parts"));
+        Files.writeString(folder.resolve("parts/wheels.yaml"), yaml("# parts/wheels.yaml"));
+        Path cart = Files.writeString(folder.resolve("cart.yaml"), yaml("# cart.yaml"));
+
+        List<ItemDefinition> wheels = WorldFile.load(cart).items();
+
+        assertThat(wheels).hasSize(2)
+                .allMatch(wheel -> wheel.shape().equals(Shape.sphere(0.3)))
+                .allMatch(wheel -> wheel.physics("mass").orElseThrow()[0] == 8);
+        assertThat(wheels).extracting(wheel -> wheel.symbols().get("worn"))
+                .containsExactly(false, true);
+    }
+
+    @Test
     void mistakesGiveExactlyTheMessagesShown() throws Exception {
-        byte[] mistakes = blocks("yaml").get(1).getBytes(StandardCharsets.UTF_8);
+        byte[] mistakes = yaml("name: mistakes").getBytes(StandardCharsets.UTF_8);
 
         var refused = catchThrowableOfType(WorldFileException.class,
                 () -> WorldFile.parse("world.yaml", mistakes));

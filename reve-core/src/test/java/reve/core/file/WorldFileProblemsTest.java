@@ -27,7 +27,7 @@ class WorldFileProblemsTest {
     @ParameterizedTest(name = "{0}")
     @CsvSource(delimiter = '!', quoteCharacter = '\'', textBlock = """
             prototyp: si-f64                      ! 1  ! unknown key `prototyp`; did you mean `prototype`?
-            colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, prototype, properties, frame, laws, constants, camera, agents, items
+            colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, agents, prefabs, items
             prototype: si-f46                     ! 12 ! prototype: found text `si-f46`, expected one of `si-f64`, `si-f32`; did you mean `si-f64`?
             frame: {rate: 60.5}                   ! 15 ! rate: found number 60.5, expected a whole number
             frame: {rate: 0}                      ! 15 ! rate: found number 0, expected at least 1
@@ -66,7 +66,7 @@ class WorldFileProblemsTest {
             agents: {}                            ! 9  ! agents: found a mapping, expected at least 1 in it
             agents: {bodies: [on]}                ! 19 ! bodies[0]: no item is named `on`; did you mean `one`?
             agents: {bodies: [one, one]}          ! 24 ! bodies[1]: `one` is listed twice
-            agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: physical, semantic, access, physics
+            agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, physics
             properties: [{name: mass, kind: body}]! 21 ! property mass of kind body: the name is already taken by a property of kind body
             properties: [{name: position, kind: lamp}] ! 21 ! property position of kind body: the name is already taken by a property of kind lamp
             properties: [{name: 9a, kind: body}]  ! 21 ! name: found text `9a`, expected a letter, then letters, digits or _, at most 47 in all

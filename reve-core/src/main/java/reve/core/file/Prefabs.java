@@ -1,0 +1,94 @@
+package reve.core.file;
+
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+
+/** Descriptions of items that items are like, by name. */
+final class Prefabs {
+    /** Most prefabs of which each is like the next. */
+    static final int MAX_CHAIN = 32;
+
+    private final Problems problems;
+    private final Allowance values;
+    private final Map<String, Node> given = new LinkedHashMap<>();
+    private final Map<String, Node> complete = new HashMap<>();
+
+    /**
+     * @param prefabs mappings under their names; of several with one name, the first counts
+     * @param values how many may come of laying items over prefabs
+     */
+    Prefabs(List<Node> prefabs, Problems problems, Allowance values) throws WorldFileException {
+        this.problems = problems;
+        this.values = values;
+        for (Node prefab : prefabs) {
+            Node first = given.putIfAbsent(prefab.key(), prefab);
+            if (first != null) {
+                problems.addAtKey(prefab, "duplicate prefab `" + Node.shorten(prefab.key())
+                        + "`, first " + Problems.place(first, prefab));
+            }
+        }
+        for (Node prefab : given.values()) {
+            prefab(prefab, prefab.key(), new LinkedHashSet<>());
+        }
+    }
+
+    /** What an item says, over what the prefab says that it is like, if it is like one. */
+    Node complete(Node item) throws WorldFileException {
+        return complete(item, new LinkedHashSet<>());
+    }
+
+    /** @param users prefabs that are being completed, the innermost last */
+    private Node complete(Node item, Set<String> users) throws WorldFileException {
+        Optional<Node> like = item.get("like");
+        if (like.flatMap(Node::text).isEmpty()) {
+            return item;
+        }
+        Optional<Node> prefab = prefab(like.get(), like.get().text().orElseThrow(), users);
+        Node own = item.without("like");
+        if (prefab.filter(Node::isMapping).isEmpty()) {
+            return own;
+        }
+        requireRoom(values, prefab.get().fieldCount(), item, problems);
+        return own.over(prefab.get());
+    }
+
+    /** @param where what is complained about if there is no such prefab */
+    private Optional<Node> prefab(Node where, String name, Set<String> users)
+            throws WorldFileException {
+        Node known = complete.get(name);
+        Node prefab = given.get(name);
+        if (known != null || prefab == null) {
+            if (prefab == null) {
+                problems.add(where, "like: there is no prefab `" + Node.shorten(name) + "`"
+                        + Suggestion.of(name, given.keySet()));
+            }
+            return Optional.ofNullable(known);
+        }
+        if (users.size() == MAX_CHAIN || !users.add(name)) {
+            problems.add(where, "like: " + (users.size() == MAX_CHAIN
+                    ? "more than " + MAX_CHAIN + " prefabs of which each is like the next"
+                    : "prefabs are like each other in a circle: "
+                            + String.join(", ", users) + ", " + name));
+            return Optional.empty();
+        }
+        Node whole = complete(prefab, users);
+        users.remove(name);
+        complete.put(name, whole);
+        return Optional.of(whole);
+    }
+
+    /** @throws WorldFileException at the item if it is one too many */
+    static void requireRoom(Allowance values, long more, Node item, Problems problems)
+            throws WorldFileException {
+        if (!values.take(more)) {
+            throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
+                    + ItemReader.MAX_VALUES + " values in all items with what they are like and "
+                    + "their repetitions");
+        }
+    }
+}

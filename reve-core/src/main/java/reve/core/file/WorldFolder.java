@@ -1,0 +1,79 @@
+package reve.core.file;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.InvalidPathException;
+import java.nio.file.Path;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+
+/** The folder of a world file: what the world is made of is read from inside it and nowhere else. */
+final class WorldFolder {
+    private final @Nullable Path root;
+
+    private WorldFolder(@Nullable Path root) {
+        this.root = root;
+    }
+
+    /** The folder that a world file stands in. */
+    static WorldFolder of(Path worldFile) {
+        return new WorldFolder(worldFile.toAbsolutePath().getParent());
+    }
+
+    /** Of a text that is no file: there is nothing beside it. */
+    static WorldFolder none() {
+        return new WorldFolder(null);
+    }
+
+    /**
+     * The regular file that a text names, relative to the file that the text stands in, as messages
+     * call it; empty and a problem noted if there is none, or if it is not inside the folder.
+     */
+    Optional<Path> find(Node node, Problems problems) {
+        Optional<String> name = node.text();
+        if (name.isEmpty()) {
+            return Optional.empty();
+        }
+        String refusal;
+        try {
+            Path path = Path.of(name.get());
+            Path found = Path.of(node.file()).resolveSibling(path);
+            refusal = refusal(name.get(), path, found);
+            if (refusal.isEmpty()) {
+                return Optional.of(found);
+            }
+        } catch (InvalidPathException noPath) {
+            refusal = "is no file name";
+        } catch (IOException unreadable) {
+            refusal = "cannot be read: " + unreadable.getMessage();
+        }
+        problems.add(node, node.label() + ": `" + Node.shorten(name.get()) + "` " + refusal);
+        return Optional.empty();
+    }
+
+    /** Why not; empty if the file can be read. */
+    private String refusal(String name, Path path, Path found) throws IOException {
+        if (root == null) {
+            return "cannot be read: this world comes from no folder";
+        }
+        if (name.contains("://")) {
+            return "is an address; only files in the world's folder are read";
+        }
+        if (path.isAbsolute()) {
+            return "is an absolute path; files are named relative to the file that names them";
+        }
+        for (Path part : path) {
+            if (part.toString().equals("..")) {
+                return "leads out of its folder; `..` is not allowed";
+            }
+        }
+        if (!Files.exists(found)) {
+            return "does not exist; looked for " + found;
+        }
+        if (!Files.isRegularFile(found)) {
+            return "is not a regular file";
+        }
+        return found.toRealPath().startsWith(root.toRealPath()) ? ""
+                : "is a link to a place outside the world's folder";
+    }
+}

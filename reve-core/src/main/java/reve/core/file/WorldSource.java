@@ -1,0 +1,111 @@
+package reve.core.file;
+
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.HashSet;
+import java.util.LinkedHashSet;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+
+/**
+ * A world file with the files that it includes, directly or not, each once, their form checked.
+ *
+ * @param world the outermost mapping of the world file
+ * @param parts those of all files; what is included comes before what includes it
+ * @param folder where files that the world names are found
+ */
+record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
+    /** Most files of which each is included by the one before. */
+    static final int MAX_DEPTH = 16;
+
+    /**
+     * Reads a world file and what it includes.
+     *
+     * @throws IOException if the system cannot read the world file
+     */
+    static WorldSource read(Path path, Problems problems) throws WorldFileException, IOException {
+        var reader = new Reader(WorldFolder.of(path), problems);
+        String text = SourceText.read(path, problems, reader.bytes);
+        reader.open.add(path.toRealPath());
+        return reader.read(text);
+    }
+
+    /** Reads a world that is in no file, and can therefore include none. */
+    static WorldSource parse(byte[] content, Problems problems) throws WorldFileException {
+        var reader = new Reader(WorldFolder.none(), problems);
+        return reader.read(SourceText.decode(content, problems, reader.bytes));
+    }
+
+    /** What a key has under it in each file that has it. */
+    List<Node> each(String key) {
+        return parts.stream().map(part -> part.get(key)).flatMap(Optional::stream).toList();
+    }
+
+    /** What a key holds, in all files together. */
+    List<Node> all(String key) {
+        return each(key).stream().flatMap(node -> node.children().stream()).toList();
+    }
+
+    private static final class Reader {
+        private final WorldFolder folder;
+        private final Problems problems;
+        private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
+        private final Allowance values = new Allowance(YamlReader.MAX_VALUES);
+        private final List<Node> parts = new ArrayList<>();
+        /** The files that are being read, the innermost last, and those that were read. */
+        private final Set<Path> open = new LinkedHashSet<>();
+        private final Set<Path> done = new HashSet<>();
+
+        Reader(WorldFolder folder, Problems problems) {
+            this.folder = folder;
+            this.problems = problems;
+        }
+
+        WorldSource read(String text) throws WorldFileException {
+            Node world = YamlReader.read(text, problems, values);
+            SchemaCheck.check(world, problems);
+            includeAll(world);
+            parts.add(world);
+            return new WorldSource(world, List.copyOf(parts), folder);
+        }
+
+        private void includeAll(Node part) throws WorldFileException {
+            for (Node name : part.get("include").map(Node::children).orElse(List.of())) {
+                Optional<Path> found = folder.find(name, problems);
+                if (found.isPresent()) {
+                    include(name, found.get());
+                }
+            }
+        }
+
+        private void include(Node name, Path path) throws WorldFileException {
+            try {
+                Path real = path.toRealPath();
+                if (open.contains(real)) {
+                    problems.add(name, name.label() + ": " + path
+                            + " is being read already: files include each other in a circle");
+                } else if (open.size() > MAX_DEPTH) {
+                    problems.add(name, name.label() + ": more than " + MAX_DEPTH
+                            + " files of which each is included by the one before");
+                } else if (done.add(real)) {
+                    open.add(real);
+                    readPart(path);
+                    open.remove(real);
+                }
+            } catch (IOException unreadable) {
+                problems.add(name, name.label() + ": cannot read " + path + ": "
+                        + unreadable.getMessage());
+            }
+        }
+
+        private void readPart(Path path) throws WorldFileException, IOException {
+            Problems told = problems.of(path.toString());
+            Node part = YamlReader.read(SourceText.read(path, told, bytes), told, values);
+            SchemaCheck.checkPart(part, told);
+            includeAll(part);
+            parts.add(part);
+        }
+    }
+}
