@@ -37,7 +37,8 @@ final class Hierarchy {
         String where = child + " cannot be attached to " + parent + ": ";
         requireBody(where, child.name(), child.kind());
         requireBody(where, parent.name(), parent.kind());
-        requireNoMass(where, child.physics().isEmpty() ? 0 : child.physics().scalar(PhysicsAspect.MASS));
+        requireNoMass(where, child.physics().isEmpty() ? 0
+                : child.physics().scalar(PhysicsAspect.MASS));
         for (Item above = parent; above != null; above = above.parent) {
             if (above == child) {
                 throw new IllegalArgumentException(where + (parent == child ? "it is the same item"
@@ -55,8 +56,8 @@ final class Hierarchy {
 
     static void requireNoMass(String where, double mass) {
         if (mass != 0) {
-            throw new IllegalArgumentException(where + "mass is " + mass + " kg, but laws cannot move "
-                    + "what moves with another item: give it mass 0, or hold it with a spring");
+            throw new IllegalArgumentException(where + "mass is " + mass
+                    + " kg, but laws cannot move what moves with another item: give it mass 0, or hold it with a spring");
         }
     }
 

@@ -19,7 +19,7 @@ public final class PhysicalAspect {
         return !item.kind().equals(WorldPrototype.BODY);
     }
 
-    /** Place of the origin in the world frame (3) [m]; what is attached is where its parent has it. */
+    /** Place of the origin in the world frame (3) [m]; see {@link World#attach}. */
     public double[] location() {
         requirePlace();
         return item.parent == null ? read("position")
@@ -27,7 +27,7 @@ public final class PhysicalAspect {
     }
 
     /**
-     * What is attached is moved within its parent's frame.
+     * What is attached moves in its parent's frame.
      *
      * @throws IllegalArgumentException naming item and value if a number is not finite
      */
@@ -46,7 +46,7 @@ public final class PhysicalAspect {
                 : Arrays.copyOfRange(item.world().hierarchy().worldPose(item), 3, Pose.NUMBERS);
     }
 
-    /** Any quaternion but 0; it is normalised. What is attached is turned within its parent's frame. */
+    /** Any quaternion but 0; it is normalised. What is attached turns in its parent's frame. */
     public void setOrientation(double x, double y, double z, double w) {
         double[] from = orientation();
         double[] unit = Values.requireRotation(item.name(), x, y, z, w);

@@ -75,7 +75,8 @@ public final class PhysicsAspect {
         Column column = column(property);
         Values.requireFits(item.name(), column.descriptor(), values);
         if (item.parent != null && property.equals(MASS)) {
-            Hierarchy.requireNoMass(item + " is attached to " + item.parent.name() + ": ", values[0]);
+            Hierarchy.requireNoMass(item + " is attached to " + item.parent.name() + ": ",
+                    values[0]);
         }
         boolean first = isEmpty();
         if (first) {

@@ -51,7 +51,7 @@ public record Pose(double x, double y, double z, double qx, double qy, double qz
         return new double[] {qx, qy, qz, qw};
     }
 
-    /** This pose, given in the frame of an outer one, in the frame that the outer one is given in. */
+    /** Where this pose, given in the frame of an outer one, is in the outer one's frame. */
     public Pose within(Pose outer) {
         double[] out = new double[NUMBERS];
         compose(outer.numbers(), 0, numbers(), 0, out, 0);

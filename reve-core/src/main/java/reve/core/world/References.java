@@ -89,7 +89,8 @@ final class References {
             for (Column column : table.references()) {
                 for (int row = 0; row < table.physicsRowCount(); row++) {
                     for (int i = 0; i < column.components(); i++) {
-                        if (referredTo.contains(items.get(new ItemId(column.getReference(row, i))))) {
+                        var target = new ItemId(column.getReference(row, i));
+                        if (referredTo.contains(items.get(target))) {
                             into.add(table.itemAt(row));
                         }
                     }

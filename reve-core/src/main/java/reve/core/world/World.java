@@ -45,6 +45,7 @@ public final class World {
     private final List<Column> directlyEdited = new ArrayList<>();
     private final Hierarchy hierarchy;
     private final References references;
+    private final SymbolIndex symbolIndex = new SymbolIndex();
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private volatile Thread owner = Thread.currentThread();
     private @Nullable String lockedBy;
@@ -122,7 +123,8 @@ public final class World {
         Item item = removable(id);
         if (item.referrers > 0 || item.children != null) {
             throw new IllegalArgumentException(item + " cannot be removed: "
-                    + references.describeReferrers(item) + " refers to it or is attached to it; remove that first, or remove in cascade");
+                    + references.describeReferrers(item) + " refers to it or is attached to it; "
+                    + "remove that first, or remove in cascade");
         }
         delete(item);
         changes.add(new WorldChange.Removed(id, item.name(), List.of()));
@@ -143,7 +145,8 @@ public final class World {
         } while (doomed.size() > before);
         List<Item> order = new ArrayList<>(doomed).reversed();
         order.forEach(this::delete);
-        List<ItemId> cascade = order.stream().map(Item::id).filter(other -> !other.equals(id)).toList();
+        List<ItemId> cascade = order.stream().filter(other -> other != item).map(Item::id)
+                .toList();
         changes.add(new WorldChange.Removed(id, item.name(), cascade));
     }
 
@@ -249,6 +252,8 @@ public final class World {
         }
         references.countAll();
         hierarchy.restore(items.values());
+        symbolIndex.clear();
+        changes.add(new WorldChange.Restored(image.frame()));
         layoutVersion++;
     }
 
@@ -271,6 +276,18 @@ public final class World {
             throw new IllegalArgumentException("world " + name + " has no item " + id);
         }
         return item;
+    }
+
+    /**
+     * Items whose symbol has a value, in the order of their ids; a copy. Looks them up in an index
+     * that is kept current from the first time that the symbol is asked for.
+     *
+     * @param symbol a designer's or a standard one: {@code class}, {@code name}
+     * @param value text, truth or a number
+     */
+    public List<Item> withSymbol(String symbol, Object value) {
+        checkOwner();
+        return symbolIndex.find(symbol, value, items.values());
     }
 
     /** All items in the order of their ids, the item {@code world} first; a copy. */
@@ -319,8 +336,8 @@ public final class World {
 
     /**
      * What became different in the frame that is being made, in the order it did, other than by
-     * laws and in DERIVE; a copy. In PUBLISH it is the same to all who ask; changes made in PUBLISH and
-     * between frames belong to the next frame, those made before the first to frame 0.
+     * laws and in DERIVE; a copy. In PUBLISH it is the same to all who ask; changes made in PUBLISH
+     * and between frames belong to the next frame, those made before the first to frame 0.
      */
     public List<WorldChange> changes() {
         checkOwner();
@@ -443,6 +460,7 @@ public final class World {
     }
 
     void setSymbols(Item item, ItemSymbols changed) {
+        symbolIndex.follow(item, items.containsKey(item.id()) ? item.symbols() : null, changed);
         item.setSymbols(changed);
         symbols = symbols.plus(item.id(), changed);
     }
@@ -515,9 +533,9 @@ public final class World {
         var itemSymbols = new ItemSymbols(new ItemId(++lastId), definition);
         Item item = new Item(this, table, itemSymbols);
         table.insert(item, physics);
+        setSymbols(item, itemSymbols);
         items.put(item.id(), item);
         itemsByName.put(item.name(), item);
-        setSymbols(item, itemSymbols);
         if (!item.physical().isEmpty()) {
             item.physical().place(definition);
         }
@@ -566,6 +584,7 @@ public final class World {
         items.remove(item.id());
         itemsByName.remove(item.name());
         symbols = symbols.minus(item.id());
+        symbolIndex.follow(item, item.symbols(), null);
         layoutVersion++;
     }
 

@@ -5,8 +5,8 @@ import org.jspecify.annotations.Nullable;
 
 /**
  * Something in a world that became different because somebody said so: not by a law, and not
- * worked out in DERIVE. {@link World#changes()} has those of a frame. Immutable; made again in
- * the same order on an equal world they make an equal world.
+ * worked out in DERIVE. {@link World#changes()} has those of a frame, in an order that makes an
+ * equal world of an equal one. Immutable.
  */
 public sealed interface WorldChange {
 
@@ -43,9 +43,9 @@ public sealed interface WorldChange {
     record Detached(ItemId item, Attachment from) implements WorldChange {}
 
     /**
-     * Part of an aspect got another value. Numbers of columns are a {@code List<Double>}, references a
-     * {@code List<ItemId>}, symbols text, truth or Double; what an item looks like is a {@link
-     * Shape} or {@link Colour}, and what it can do an {@link Action}.
+     * Part of an aspect got another value. Numbers of columns are a {@code List<Double>},
+     * references a {@code List<ItemId>}, symbols text, truth or Double; what an item looks like is a
+     * {@link Shape} or {@link Colour}, and what it can do an {@link Action}.
      *
      * @param property the part: a physics property, a symbol, an action, or {@code location},
      *     {@code orientation}, {@code shape}, {@code colour}
@@ -60,4 +60,11 @@ public sealed interface WorldChange {
      * frame; what they are now the column says.
      */
     record ColumnEdited(String kind, String property) implements WorldChange {}
+
+    /**
+     * The world became as it was at the end of an earlier frame, in all it is.
+     *
+     * @param frame the frame of the image
+     */
+    record Restored(long frame) implements WorldChange {}
 }
