@@ -5,7 +5,7 @@
 ...     print([item.name for item in agent.perceive().items])
 """
 
-from .client import Agent, connect
+from .client import Agent, Control, connect, control
 from .protocol import (
     Bye,
     Event,
@@ -14,6 +14,7 @@ from .protocol import (
     Parameter,
     Perception,
     Result,
+    Ticket,
     Value,
     Welcome,
 )
@@ -22,6 +23,7 @@ from .errors import Disconnected, ProtocolError, ReveError
 __all__ = [
     "Agent",
     "Bye",
+    "Control",
     "Disconnected",
     "Event",
     "Item",
@@ -31,7 +33,9 @@ __all__ = [
     "ProtocolError",
     "Result",
     "ReveError",
+    "Ticket",
     "Value",
     "Welcome",
     "connect",
+    "control",
 ]

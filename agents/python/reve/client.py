@@ -5,8 +5,21 @@ from __future__ import annotations
 import itertools
 import socket
 import threading
+import time
 from collections import deque
-from typing import Callable, Deque, Dict, Iterator, List, Optional, Type, TypeVar, Union
+from typing import (
+    BinaryIO,
+    Callable,
+    Deque,
+    Dict,
+    Iterator,
+    List,
+    Optional,
+    Tuple,
+    Type,
+    TypeVar,
+    Union,
+)
 
 from . import protocol
 from .errors import Disconnected, ProtocolError, ReveError
@@ -26,6 +39,7 @@ from .protocol import (
 )
 
 _EVENTS_KEPT = 1024
+_RETRY_SECONDS = 0.2
 
 _T = TypeVar("_T")
 
@@ -36,20 +50,26 @@ def connect(
     *,
     name: str,
     body: Optional[str] = None,
+    role: str = protocol.AGENT,
+    grace: float = 0.0,
     timeout: float = 10.0,
 ) -> Agent:
     """Joins the world at that address as agent `name` and returns when it has a body there.
 
-    `body` names an item that the world lends to agents; without it the world chooses one. `timeout` [s]
+    `body` names an item that the world lends to agents; without it the world chooses one. As `role` "observer"
+    one perceives everything and does nothing. `grace` [s] is how long the body may wait for us when the
+    connection breaks; we reconnect by ourselves, and whoever waits for an answer notices nothing. `timeout` [s]
     bounds this and every later wait for an answer. Raises OSError where nobody listens, Disconnected with
     the server's code where the agent may not join.
     """
-    connection = socket.create_connection((host, port), timeout)
-    try:
-        return Agent(connection, name, body, timeout)
-    except BaseException:
-        connection.close()
-        raise
+    return Agent((host, port), protocol.hello(name, body, role, grace), timeout)
+
+
+def control(
+    host: str = "127.0.0.1", port: int = 7777, *, name: str = "control", timeout: float = 10.0
+) -> Control:
+    """Joins a world to run it, without a body. As for `connect`."""
+    return Control((host, port), protocol.hello(name, role=protocol.CONTROL), timeout)
 
 
 class Agent:
@@ -59,37 +79,48 @@ class Agent:
     the server is silent for longer than the timeout.
     """
 
-    def __init__(
-        self, connection: socket.socket, name: str, body: Optional[str], timeout: float
-    ) -> None:
-        self._socket = connection
+    def __init__(self, address: Tuple[str, int], greeting: Message, timeout: float) -> None:
+        self._address = address
         self._timeout = timeout
         self._ids = itertools.count(1)
         self._sending = threading.Lock()
         self._changed = threading.Condition()
         self._waiting: Dict[int, Optional[ServerMessage]] = {}
+        self._unanswered: Dict[int, bytes] = {}
         self._subscription: Optional[int] = None
+        self._every = 0
         self._latest: Optional[Perception] = None
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
+        self._frame_seen = 0
         self._end: Optional[ReveError] = None
 
-        connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-        lines = connection.makefile("rb")
-        self._send(protocol.hello(name, body))
-        self.welcome: Welcome = _await_welcome(lines.readline)
-        connection.settimeout(None)
+        self._socket, self._lines, self.welcome = self._open(greeting)
+        self._frame_seen = self.welcome.frame - 1
         self._reader = threading.Thread(
-            target=self._read, args=(lines.readline,), name=f"reve agent {name}", daemon=True
+            target=self._read, name=f"reve agent {self.welcome.agent}", daemon=True
         )
         self._reader.start()
+
+    def _open(self, greeting: Message) -> Tuple[socket.socket, BinaryIO, Welcome]:
+        connection = socket.create_connection(self._address, self._timeout)
+        try:
+            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            lines = connection.makefile("rb")
+            connection.sendall(protocol.encode(greeting))
+            welcome = _await_welcome(lines.readline)
+            connection.settimeout(None)
+            return connection, lines, welcome
+        except BaseException:
+            connection.close()
+            raise
 
     @property
     def name(self) -> str:
         return self.welcome.agent
 
     @property
-    def body(self) -> str:
-        """The name of the item that is this agent's body."""
+    def body(self) -> Optional[str]:
+        """The name of the item that is this agent's body; only the role "agent" has one."""
         return self.welcome.body
 
     def perceive(self) -> Perception:
@@ -105,7 +136,7 @@ class Agent:
             raise ValueError(f"every is {every}; expected a number of frames, 1 or more")
         number = next(self._ids)
         with self._changed:
-            self._subscription, self._latest = number, None
+            self._subscription, self._every, self._latest = number, every, None
         self._send(protocol.perceive(number, every))
         try:
             while True:
@@ -147,7 +178,8 @@ class Agent:
                 self._end = Disconnected("closed", "this agent has left")
                 self._changed.notify_all()
         try:
-            self._send_line(protocol.encode(protocol.bye()))
+            with self._sending:
+                self._socket.sendall(protocol.encode(protocol.bye()))
             self._reader.join(self._timeout)  # ends with the server's bye, or with the connection
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
@@ -163,17 +195,19 @@ class Agent:
 
     def _ask(self, question: Callable[[int], Message], answer_type: Type[_T]) -> _T:
         number = next(self._ids)
-        message = question(number)
+        line = protocol.encode(question(number))
         with self._changed:
             self._waiting[number] = None
         try:
-            self._send(message)
+            self._send_line(line, number)
             with self._changed:
                 self._wait(lambda: self._waiting[number] is not None, self._timeout)
                 answer = self._waiting[number]
         finally:
             with self._changed:
                 del self._waiting[number]
+            with self._sending:
+                self._unanswered.pop(number, None)
         if isinstance(answer, Error):
             raise ReveError(answer.code, answer.message, answer.hint)
         if not isinstance(answer, answer_type):
@@ -198,38 +232,77 @@ class Agent:
         self._send(protocol.perceive(next(self._ids), 0))
 
     def _send(self, message: Message) -> None:
-        line = protocol.encode(message)
+        self._send_line(protocol.encode(message))
+
+    def _send_line(self, line: bytes, number: Optional[int] = None) -> None:
+        """Sends now or, if the connection is broken but may come back, what has a number later."""
         with self._changed:
             if self._end is not None:
                 raise self._end
-        try:
-            self._send_line(line)
-        except OSError as error:
-            self._finish(Disconnected("lost", f"the connection broke: {error}"))
-            with self._changed:
-                raise self._end or error
-
-    def _send_line(self, line: bytes) -> None:
         with self._sending:
-            self._socket.sendall(line)
+            if number is not None:
+                self._unanswered[number] = line
+            try:
+                self._socket.sendall(line)
+            except OSError as error:
+                if self.welcome.session is None:
+                    self._finish(Disconnected("lost", f"the connection broke: {error}"))
+                    with self._changed:
+                        raise self._end or error
 
-    def _read(self, readline: Callable[[], bytes]) -> None:
+    def _read(self) -> None:
         end: ReveError = Disconnected("lost", "the server closed the connection without a reason")
-        try:
-            while True:
-                line = readline()
-                if not line:
-                    break
-                message = protocol.decode(line)
-                if isinstance(message, Bye):
-                    end = Disconnected(message.code, message.message, message.hint)
-                    break
-                self._take(message)
-        except OSError as error:
-            end = Disconnected("lost", f"the connection broke: {error}")
-        except ReveError as error:
-            end = error
-        self._finish(end)
+        while True:
+            try:
+                line = self._lines.readline()
+                if line:
+                    message = protocol.decode(line)
+                    if isinstance(message, Bye):
+                        self._finish(Disconnected(message.code, message.message, message.hint))
+                        return
+                    self._take(message)
+                    continue
+            except OSError as error:
+                end = Disconnected("lost", f"the connection broke: {error}")
+            except ReveError as error:
+                self._finish(error)
+                return
+            if not self._resume():
+                self._finish(end)
+                return
+
+    def _resume(self) -> bool:
+        """Goes on over another connection, until the time of grace is over. True if that worked."""
+        ticket = self.welcome.session
+        if ticket is None or self._end is not None:
+            return False
+        self._socket.close()
+        deadline = time.monotonic() + ticket.grace_seconds
+        while time.monotonic() < deadline and self._end is None:
+            try:
+                self._go_on(ticket.token)
+                return True
+            except ReveError as error:
+                self._finish(error)
+                return False
+            except OSError:
+                with self._changed:
+                    self._changed.wait_for(lambda: self._end is not None, _RETRY_SECONDS)
+        return False
+
+    def _go_on(self, token: str) -> None:
+        greeting = protocol.hello(
+            self.name, role=self.welcome.role, resume=(token, max(0, self._frame_seen))
+        )
+        connection, lines, _ = self._open(greeting)
+        with self._sending:
+            self._socket, self._lines = connection, lines
+            for line in self._unanswered.values():
+                connection.sendall(line)
+            with self._changed:
+                subscription, every = self._subscription, self._every
+            if subscription is not None:
+                connection.sendall(protocol.encode(protocol.perceive(subscription, every)))
 
     def _take(self, message: ServerMessage) -> None:
         if isinstance(message, Ping):
@@ -238,13 +311,17 @@ class Agent:
         with self._changed:
             if isinstance(message, Event):
                 self._events.append(message)
+                self._frame_seen = max(self._frame_seen, message.frame - 1)
             elif isinstance(message, Perception) and message.id == self._subscription:
                 self._latest = message
+                self._frame_seen = max(self._frame_seen, message.frame)
             elif isinstance(message, (Perception, Result, Pong, Error)):
                 self._answer(message)
             self._changed.notify_all()
 
     def _answer(self, message: Union[Perception, Result, Pong, Error]) -> None:
+        if isinstance(message, Perception):
+            self._frame_seen = max(self._frame_seen, message.frame)
         if message.id is not None and message.id in self._waiting:
             self._waiting[message.id] = message
         elif isinstance(message, Error):
@@ -255,6 +332,48 @@ class Agent:
             if self._end is None:
                 self._end = end
             self._changed.notify_all()
+
+
+class Control(Agent):
+    """Runs a world, from `control`: perceives everything, and each call below waits for its result.
+
+    While the world is paused, `edit`, `load_law`, `unload_law` and `picture` wait for its next frame.
+    """
+
+    def pause(self) -> Result:
+        """Keeps the world from making frames."""
+        return self._command("pause")
+
+    def step(self, frames: int = 1) -> Result:
+        """Lets a paused world make that many frames; the result names the last of them."""
+        return self._command("step", frames=frames)
+
+    def run(self) -> Result:
+        """Lets a paused world go on."""
+        return self._command("run")
+
+    def edit(self, item: Union[str, Item], property: str, value: Argument) -> Result:
+        """Sets a property such as `physics.velocity` or `semantic.class`, in its own unit."""
+        target = item if isinstance(item, str) else item.name
+        return self._command("edit", item=target, property=property, value=value)
+
+    def load_law(self, library: str, **parameters: float) -> Result:
+        """Loads a library of laws that the server knows by that name; parameters in SI units."""
+        return self._command("load-law", library=library, parameters=parameters)
+
+    def unload_law(self, library: str) -> Result:
+        return self._command("unload-law", library=library)
+
+    def picture(self) -> Result:
+        """Takes a picture of the next frame, into the server's folder for pictures."""
+        return self._command("picture")
+
+    def shut_down(self) -> Result:
+        """Ends the server."""
+        return self._command("shut-down")
+
+    def _command(self, t: str, **fields: object) -> Result:
+        return self._ask(lambda number: protocol.command(number, t, **fields), Result)
 
 
 def _await_welcome(readline: Callable[[], bytes]) -> Welcome:

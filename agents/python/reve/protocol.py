@@ -12,6 +12,7 @@ from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple
 from .errors import ProtocolError
 
 VERSION = 1
+AGENT, CONTROL, OBSERVER = "agent", "control", "observer"
 
 Value = Union[str, float, bool, List[float]]
 """A symbol's or an event field's value."""
@@ -22,24 +23,36 @@ Message = Dict[str, Any]
 
 @dataclass(frozen=True)
 class Limits:
-    """What the server takes from a client: bytes of a line, acts that wait for their result, silence [s]."""
+    """What the server takes from a client: bytes of a line, commands that wait for their result, silence [s], grace [s]."""
 
     line_bytes: int
     acts_in_flight: int
     idle_seconds: float
+    grace_seconds: float
+
+
+@dataclass(frozen=True)
+class Ticket:
+    """With the token another connection goes on with the session, that long [s] after the first broke."""
+
+    token: str
+    grace_seconds: float
 
 
 @dataclass(frozen=True)
 class Welcome:
-    """The first answer: who you are in which world. `rate` is its frames per second."""
+    """The first answer: who you are in which world. `rate` is its frames per second; only agents have a body."""
 
     id: Optional[int]
     protocol: int
+    role: str
     agent: str
-    body: str
+    body: Optional[str]
     world: str
     frame: int
     rate: int
+    session: Optional[Ticket]
+    resumed: bool
     limits: Limits
 
 
@@ -136,10 +149,23 @@ class Bye:
 ServerMessage = Union[Welcome, Perception, Result, Event, Error, Ping, Pong, Bye]
 
 
-def hello(name: str, body: Optional[str] = None) -> Message:
+def hello(
+    name: str,
+    body: Optional[str] = None,
+    role: str = AGENT,
+    grace_seconds: float = 0,
+    resume: Optional[Tuple[str, int]] = None,
+) -> Message:
+    """`resume` is the token of a session and the last frame whose events have all come."""
     message: Message = {"t": "hello", "protocol": VERSION, "name": name}
+    if role != AGENT:
+        message["role"] = role
     if body is not None:
         message["body"] = body
+    if grace_seconds > 0:
+        message["graceSeconds"] = grace_seconds
+    if resume is not None:
+        message["resume"] = {"session": resume[0], "frame": resume[1]}
     return message
 
 
@@ -152,6 +178,11 @@ def perceive(id: int, every: Optional[int] = None) -> Message:
 
 def act(id: int, item: str, action: str, arguments: Mapping[str, Argument]) -> Message:
     return {"t": "act", "id": id, "item": item, "action": action, "arguments": dict(arguments)}
+
+
+def command(id: int, t: str, **fields: Any) -> Message:
+    """What only the role control may say."""
+    return {"t": t, "id": id, **fields}
 
 
 def ping(id: int) -> Message:
@@ -183,16 +214,21 @@ def decode(line: bytes) -> ServerMessage:
 
 
 def _welcome(message: Message) -> Welcome:
-    limits = message["limits"]
+    limits, session = message["limits"], message.get("session")
     return Welcome(
         id=message.get("id"),
         protocol=message["protocol"],
+        role=message["role"],
         agent=message["agent"],
-        body=message["body"],
+        body=message.get("body"),
         world=message["world"],
         frame=message["frame"],
         rate=message["rate"],
-        limits=Limits(limits["lineBytes"], limits["actsInFlight"], limits["idleSeconds"]),
+        session=None if session is None else Ticket(session["token"], session["graceSeconds"]),
+        resumed=message.get("resumed", False),
+        limits=Limits(
+            limits["lineBytes"], limits["actsInFlight"], limits["idleSeconds"], limits["graceSeconds"]
+        ),
     )
 
 

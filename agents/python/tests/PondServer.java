@@ -2,6 +2,7 @@ import java.io.IOException;
 import java.nio.file.Path;
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
+import reve.core.agent.WorldControl;
 import reve.core.agent.WorldPort;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
@@ -29,9 +30,9 @@ final class PondServer {
         var snapshots = new SnapshotRing(world, 3);
         bus.subscribe(FramePhase.PUBLISH, "snapshots",
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
-        var port = new WorldPort(world.name(), description.timing().framesPerSecond(), description.agents(), bus,
-                commands, snapshots);
         var loop = new FrameLoop(world, bus, description.timing(), Pacing.REAL_TIME);
+        var port = new WorldPort(world.name(), description.timing().framesPerSecond(), description.agents(), bus,
+                commands, snapshots, loop, WorldControl.none());
         try (AgentServer server = AgentServer.start(AgentServerConfig.onPort(0), port)) {
             System.out.println(server.address().getPort());
             Thread.ofVirtual().start(() -> {

@@ -162,6 +162,36 @@ class AgentTest(unittest.TestCase):
                 reve.connect("127.0.0.1", silent.getsockname()[1], name="sam", timeout=0.2)
         self.assertEqual(raised.exception.code, "no-answer")
 
+    def test_an_observer_perceives_without_a_body(self):
+        with self.join("eye", role="observer") as eye:
+            self.assertIsNone(eye.body)
+            self.assertIsNotNone(eye.perceive().find("duck"))
+            with self.assertRaises(reve.ReveError) as raised:
+                eye.act("duck", "paint", colour="red")
+            self.assertEqual(raised.exception.code, "not-permitted")
+
+    def test_control_pauses_steps_edits_and_shuts_down(self):
+        with pond() as port, reve.control("127.0.0.1", port) as boss:
+            paused = boss.pause()
+            self.assertEqual(boss.step(5).frame, paused.frame + 5)
+            boss.run()
+            self.assertTrue(boss.edit("duck", "semantic.class", "bird"))
+            self.assertEqual(boss.perceive().find("duck").symbols["class"], "bird")
+            self.assertEqual(boss.load_law("drag", scale=2.0).code, "unsupported")
+            self.assertTrue(boss.shut_down())
+
+    def test_an_agent_whose_connection_breaks_goes_on_as_if_nothing_had_happened(self):
+        with self.join("pam", grace=20.0) as pam, self.join("quy") as quy:
+            perceptions = pam.perceptions()
+            before = next(perceptions)
+            for number in range(5):
+                pam._socket.shutdown(socket.SHUT_RDWR)
+                self.assertTrue(pam.act("duck", "paint", colour=f"shade {number}"))
+            self.assertIsNotNone(quy.perceive().find(pam.body))
+            self.assertGreater(next(perceptions).frame, before.frame)
+            acted = [e for e in pam.events() if e.type == "acted" and e.fields["agent"] == "pam"]
+            self.assertEqual(len(acted), 5)
+
     def test_the_curious_example_follows_and_pushes_what_is_interesting(self):
         example = subprocess.run(
             [sys.executable, str(PACKAGE / "examples" / "curious.py"), "--port", str(self.port), "--seconds", "0.5",

@@ -19,7 +19,12 @@ def written(message):
             "lineBytes": limits.line_bytes,
             "actsInFlight": limits.acts_in_flight,
             "idleSeconds": limits.idle_seconds,
+            "graceSeconds": limits.grace_seconds,
         }
+        if message.session is not None:
+            fields["session"] = {"token": message.session.token, "graceSeconds": message.session.grace_seconds}
+        if not message.resumed:
+            del fields["resumed"]
     if t == "perception":
         fields["items"] = [item(i) for i in message.items]
     return {"t": t, **fields}
@@ -40,14 +45,20 @@ def said(message):
     """What this client writes for a message with those values."""
     t = message["t"]
     if t == "hello":
-        return protocol.hello(message["name"], message.get("body"))
+        resume = message.get("resume")
+        return protocol.hello(
+            message["name"], message.get("body"), message.get("role", protocol.AGENT), message.get("graceSeconds", 0),
+            None if resume is None else (resume["session"], resume["frame"]),
+        )
     if t == "perceive":
         return protocol.perceive(message["id"], message.get("every"))
     if t == "act":
         return protocol.act(message["id"], message["item"], message["action"], message["arguments"])
     if t == "ping":
         return protocol.ping(message["id"])
-    return {"pong": protocol.pong, "bye": protocol.bye}[t]()
+    if t in ("pong", "bye"):
+        return {"pong": protocol.pong, "bye": protocol.bye}[t]()
+    return protocol.command(message["id"], t, **{k: v for k, v in message.items() if k not in ("t", "id")})
 
 
 class ProtocolTest(unittest.TestCase):

@@ -33,8 +33,6 @@ public final class AgentClient implements AutoCloseable {
     /** How many events wait for {@link #events()}; older ones are forgotten. */
     public static final int MAX_EVENTS = 1024;
 
-    private static final Duration PATIENCE = Duration.ofSeconds(10);
-
     private final Socket socket;
     private final BufferedReader in;
     private final OutputStream out;
@@ -59,38 +57,32 @@ public final class AgentClient implements AutoCloseable {
      * @throws DisconnectedException with the server's code if the agent may not join
      */
     public static AgentClient connect(String host, int port, String name) throws IOException {
-        return connect(host, port, name, Optional.empty(), PATIENCE);
+        return connect(host, port, Join.as(name));
     }
 
-    /**
-     * As {@link #connect(String, int, String)}.
-     *
-     * @param body an item that the world lends to agents
-     * @param patience longest wait for any answer
-     */
-    public static AgentClient connect(String host, int port, String name, Optional<String> body, Duration patience)
-            throws IOException {
+    /** As {@link #connect(String, int, String)}, in any role. */
+    public static AgentClient connect(String host, int port, Join join) throws IOException {
         var socket = new Socket();
         try {
-            socket.connect(new InetSocketAddress(host, port), Math.toIntExact(patience.toMillis()));
-            return new AgentClient(socket, name, body, patience);
+            socket.connect(new InetSocketAddress(host, port), Math.toIntExact(join.patience().toMillis()));
+            return new AgentClient(socket, join);
         } catch (IOException | RuntimeException e) {
             socket.close();
             throw e;
         }
     }
 
-    private AgentClient(Socket socket, String name, Optional<String> body, Duration patience) throws IOException {
+    private AgentClient(Socket socket, Join join) throws IOException {
         this.socket = socket;
-        this.patience = patience;
+        this.patience = join.patience();
         socket.setTcpNoDelay(true);
         socket.setSoTimeout(Math.toIntExact(patience.toMillis()));
         in = new BufferedReader(new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
         out = socket.getOutputStream();
-        write(Protocol.hello(name, body));
+        write(Protocol.hello(join));
         welcome = awaitWelcome();
         socket.setSoTimeout(0);
-        reader = Thread.ofVirtual().name("reve agent " + name).start(this::read);
+        reader = Thread.ofVirtual().name("reve agent " + join.name()).start(this::read);
     }
 
     /** What the server said when the agent joined: its body, the world, the limits. */
@@ -151,6 +143,17 @@ public final class AgentClient implements AutoCloseable {
     public ActResult act(String item, String action, Map<String, ?> arguments) {
         long id = nextId();
         return ask(id, Protocol.act(id, item, action, arguments), ActResult.class);
+    }
+
+    /**
+     * Has a command of the role control done and waits for the outcome: pause, step, run, edit, load-law, unload-law,
+     * picture or shut-down, with the fields that the protocol's page lists.
+     *
+     * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map of Numbers
+     */
+    public ActResult command(String type, Map<String, ?> fields) {
+        long id = nextId();
+        return ask(id, Protocol.command(id, type, fields), ActResult.class);
     }
 
     /** Returns when the server has answered. */

@@ -27,9 +27,17 @@ final class Protocol {
 
     // ---- what a client says ----
 
-    static String hello(String name, Optional<String> body) {
-        ObjectNode message = message("hello").put("protocol", VERSION).put("name", name);
-        body.ifPresent(item -> message.put("body", item));
+    static String hello(Join join) {
+        ObjectNode message = message("hello").put("protocol", VERSION).put("name", join.name());
+        if (!join.role().equals("agent")) {
+            message.put("role", join.role());
+        }
+        join.body().ifPresent(item -> message.put("body", item));
+        if (join.grace().isPositive()) {
+            message.put("graceSeconds", join.grace().toMillis() / 1000.0);
+        }
+        join.resume().ifPresent(resume -> message.putObject("resume")
+                .put("session", resume.session()).put("frame", resume.frame()));
         return message.toString();
     }
 
@@ -47,6 +55,14 @@ final class Protocol {
         arguments.forEach((name, value) -> values.set(name, argument(name, value)));
         ObjectNode message = message("act").put("id", id).put("item", item).put("action", action);
         message.set("arguments", values);
+        return message.toString();
+    }
+
+    /** What only the role control may say. */
+    static String command(long id, String type, Map<String, ?> fields) {
+        ObjectNode message = message(type).put("id", id);
+        fields.forEach((name, value) -> message.set(name, value instanceof Map<?, ?> map
+                ? JSON.valueToTree(map) : argument(name, value)));
         return message.toString();
     }
 
@@ -129,10 +145,14 @@ final class Protocol {
 
     private static Welcome welcome(JsonNode message) {
         JsonNode limits = message.required("limits");
-        return new Welcome(id(message), message.required("protocol").intValue(), text(message, "agent"),
-                text(message, "body"), text(message, "world"), message.required("frame").longValue(),
-                message.required("rate").intValue(), new Welcome.Limits(limits.required("lineBytes").intValue(),
-                        limits.required("actsInFlight").intValue(), limits.required("idleSeconds").doubleValue()));
+        return new Welcome(id(message), message.required("protocol").intValue(), text(message, "role"),
+                text(message, "agent"), optional(message, "body"), text(message, "world"),
+                message.required("frame").longValue(), message.required("rate").intValue(),
+                message.optional("session").map(session -> new Welcome.Ticket(text(session, "token"),
+                        session.required("graceSeconds").doubleValue())), message.path("resumed").asBoolean(false),
+                new Welcome.Limits(limits.required("lineBytes").intValue(),
+                        limits.required("actsInFlight").intValue(), limits.required("idleSeconds").doubleValue(),
+                        limits.required("graceSeconds").doubleValue()));
     }
 
     private static ActResult result(JsonNode message) {

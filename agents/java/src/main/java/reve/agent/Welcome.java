@@ -1,23 +1,31 @@
 package reve.agent;
 
+import java.util.Optional;
 import java.util.OptionalLong;
 
 /**
  * Who the agent is in which world.
  *
- * @param body name of the item that is its body
+ * @param role "agent", "control" or "observer"
+ * @param body name of the item that is its body; only agents have one
  * @param frame in which it joined
  * @param rate frames per second
+ * @param session given to who asked for grace
+ * @param resumed true if a session goes on after its connection broke
  */
-public record Welcome(OptionalLong id, int protocol, String agent, String body, String world, long frame, int rate,
-        Limits limits) implements ServerMessage {
+public record Welcome(OptionalLong id, int protocol, String role, String agent, Optional<String> body, String world,
+        long frame, int rate, Optional<Ticket> session, boolean resumed, Limits limits) implements ServerMessage {
+
+    /** With the token another connection goes on with the session, that long [s] after the first broke. */
+    public record Ticket(String token, double graceSeconds) {}
 
     /**
      * What the server takes from an agent.
      *
      * @param lineBytes longest line
-     * @param actsInFlight most acts that wait for their result
+     * @param actsInFlight most commands that may wait for their result
      * @param idleSeconds silence after which it asks whether the agent is still there; the client answers by itself
+     * @param graceSeconds the most that one can ask for
      */
-    public record Limits(int lineBytes, int actsInFlight, double idleSeconds) {}
+    public record Limits(int lineBytes, int actsInFlight, double idleSeconds, double graceSeconds) {}
 }

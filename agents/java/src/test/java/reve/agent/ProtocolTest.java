@@ -7,6 +7,7 @@ import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -89,8 +90,11 @@ class ProtocolTest {
     private static String said(JsonNode message) {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
-            case "hello" -> Protocol.hello(message.get("name").stringValue(),
-                    message.optional("body").map(JsonNode::stringValue));
+            case "hello" -> Protocol.hello(new Join(message.get("name").stringValue(),
+                    message.path("role").asString("agent"), message.optional("body").map(JsonNode::stringValue),
+                    Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
+                    message.optional("resume").map(resume -> new Join.Resume(
+                            resume.get("session").stringValue(), resume.get("frame").longValue())), Duration.ZERO));
             case "perceive" -> message.has("every") ? Protocol.perceive(id, message.get("every").intValue())
                     : Protocol.perceive(id);
             case "act" -> {
@@ -102,7 +106,12 @@ class ProtocolTest {
             case "ping" -> Protocol.ping(id);
             case "pong" -> Protocol.pong();
             case "bye" -> Protocol.bye();
-            default -> throw new AssertionError("no such message: " + message);
+            default -> {
+                var fields = new LinkedHashMap<String, Object>();
+                message.properties().stream().filter(field -> !List.of("t", "id").contains(field.getKey()))
+                        .forEach(field -> fields.put(field.getKey(), value(field.getValue())));
+                yield Protocol.command(id, message.get("t").stringValue(), fields);
+            }
         };
     }
 
@@ -111,6 +120,11 @@ class ProtocolTest {
             var numbers = new ArrayList<Number>();
             value.forEach(number -> numbers.add(number.numberValue()));
             return numbers;
+        }
+        if (value.isObject()) {
+            var values = new LinkedHashMap<String, Object>();
+            value.properties().forEach(field -> values.put(field.getKey(), value(field.getValue())));
+            return values;
         }
         if (value.isBoolean()) {
             return value.booleanValue();
@@ -124,11 +138,16 @@ class ProtocolTest {
         switch (message) {
             case Welcome w -> {
                 put(json.put("t", "welcome"), w.id());
-                json.put("protocol", w.protocol()).put("agent", w.agent()).put("body", w.body())
-                        .put("world", w.world()).put("frame", w.frame()).put("rate", w.rate())
-                        .putObject("limits").put("lineBytes", w.limits().lineBytes())
+                put(json.put("protocol", w.protocol()).put("role", w.role()).put("agent", w.agent()), "body", w.body());
+                json.put("world", w.world()).put("frame", w.frame()).put("rate", w.rate());
+                w.session().ifPresent(session -> json.putObject("session").put("token", session.token())
+                        .put("graceSeconds", session.graceSeconds()));
+                if (w.resumed()) {
+                    json.put("resumed", true);
+                }
+                json.putObject("limits").put("lineBytes", w.limits().lineBytes())
                         .put("actsInFlight", w.limits().actsInFlight())
-                        .put("idleSeconds", w.limits().idleSeconds());
+                        .put("idleSeconds", w.limits().idleSeconds()).put("graceSeconds", w.limits().graceSeconds());
             }
             case Perception p -> {
                 put(json.put("t", "perception"), p.id());

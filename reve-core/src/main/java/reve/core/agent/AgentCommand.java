@@ -1,7 +1,6 @@
 package reve.core.agent;
 
 import java.util.function.Consumer;
-import org.jspecify.annotations.Nullable;
 import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
 import reve.core.world.World;
@@ -14,10 +13,6 @@ public final class AgentCommand implements Command {
     private final long sequence;
     private final AgentInput input;
     private final Consumer<Outcome> answer;
-    private Outcome outcome = new Outcome.Absent();
-
-    /** The command that was completed before this one; kept by the publisher. */
-    @Nullable AgentCommand previous;
 
     /** @param answer told how it went, on the publisher's thread */
     AgentCommand(Publisher publisher, Members members, long sequence, AgentInput input, Consumer<Outcome> answer) {
@@ -45,15 +40,7 @@ public final class AgentCommand implements Command {
 
     @Override
     public void execute(World world, FrameEvent event) {
-        try {
-            outcome = members.apply(world, event.frame(), input);
-        } finally {
-            publisher.completed(this);
-        }
-    }
-
-    /** Tells the agent how it went. */
-    void report() {
-        answer.accept(outcome);
+        Outcome outcome = members.apply(world, event.frame(), input);
+        publisher.later(() -> answer.accept(outcome));
     }
 }

@@ -6,12 +6,12 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * What an agent does to the world, as data: with the frame and the place in its order it is all that a recording
+ * What a client does to the world, as data: with the frame and the place in its order it is all that a recording
  * needs, since {@link Members#apply} depends on nothing else but the world.
  */
 public sealed interface AgentInput {
 
-    /** The name that the agent declared. */
+    /** The name that the client declared. */
     String agent();
 
     /** @param body the lent item that it asks for */
@@ -23,6 +23,14 @@ public sealed interface AgentInput {
             arguments = Collections.unmodifiableMap(new LinkedHashMap<>(arguments));
         }
     }
+
+    /**
+     * A change by an operator, whom nothing is refused that the world can do.
+     *
+     * @param property {@code physical.location}, {@code physics.mass}, {@code semantic.class}
+     * @param value Double, List of Double, String or Boolean
+     */
+    record Edit(String agent, String item, String property, Object value) implements AgentInput {}
 
     /** @param reason a code, for the others */
     record Leave(String agent, String reason) implements AgentInput {}

@@ -6,12 +6,13 @@ import java.net.BindException;
 import java.net.InetSocketAddress;
 import java.net.ServerSocket;
 import java.net.Socket;
+import java.time.Duration;
 import java.util.ArrayDeque;
 import java.util.Deque;
+import java.util.Map;
+import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
-import java.util.concurrent.atomic.AtomicLong;
-import java.util.function.Consumer;
 import java.util.regex.Pattern;
 import reve.core.agent.ServerMessage.Limits;
 import reve.core.agent.ServerMessage.Welcome;
@@ -37,12 +38,11 @@ public final class AgentServer implements AutoCloseable {
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog();
     private final Publisher publisher;
-    private final Members members;
+    private final ControlDesk desk;
     private final ServerSocket socket;
-    private final Set<Session> sessions = ConcurrentHashMap.newKeySet();
-    private final Set<String> names = ConcurrentHashMap.newKeySet();
+    private final Set<Connection> connections = ConcurrentHashMap.newKeySet();
+    private final Map<String, Session> sessions = new ConcurrentHashMap<>();
     private final Deque<AgentCommand> leaving = new ArrayDeque<>();
-    private final AtomicLong sequence = new AtomicLong();
     private final Subscription subscription;
     private final Thread acceptor;
     private final Thread watch;
@@ -66,7 +66,7 @@ public final class AgentServer implements AutoCloseable {
         this.port = port;
         this.socket = socket;
         this.publisher = new Publisher(port, log, this::queueLeaving);
-        this.members = new Members(port.agents());
+        this.desk = new ControlDesk(port, publisher, log);
         this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
         this.acceptor = Thread.ofVirtual().name("agent acceptor").unstarted(this::accept);
         this.watch = Thread.ofVirtual().name("agent deadlines").unstarted(this::watch);
@@ -90,23 +90,23 @@ public final class AgentServer implements AutoCloseable {
         closed = true;
         subscription.close();
         closeQuietly(socket);
-        sessions.forEach(session -> session.end(Ending.regular("closing", "the server ends")));
+        connections.forEach(connection -> connection.end(Ending.regular("closing", "the server ends")));
         try {
-            for (Session session : sessions) {
-                if (!session.join(config.linger())) {
-                    session.closeSocket();
+            for (Connection connection : connections) {
+                if (!connection.join(config.linger())) {
+                    connection.closeSocket();
                 }
             }
             acceptor.join();
         } catch (InterruptedException e) {
-            sessions.forEach(Session::closeSocket);
+            connections.forEach(Connection::closeSocket);
             Thread.currentThread().interrupt();
         }
         watch.interrupt();
         publisher.stop();
     }
 
-    // ---- for sessions ----
+    // ---- for connections and sessions ----
 
     AgentServerConfig config() {
         return config;
@@ -120,6 +120,10 @@ public final class AgentServer implements AutoCloseable {
         return log;
     }
 
+    ControlDesk desk() {
+        return desk;
+    }
+
     long published() {
         return publisher.published();
     }
@@ -128,69 +132,89 @@ public final class AgentServer implements AutoCloseable {
         publisher.admit(session);
     }
 
-    Welcome welcome(ClientMessage.Hello hello, String body, long frame) {
-        return new Welcome(hello.id(), PROTOCOL, hello.name(), body, port.world(), frame, port.framesPerSecond(),
-                new Limits(config.lineBytes(), config.actsInFlight(), config.idle().toMillis() / 1000.0));
+    Welcome welcome(Session session, ClientMessage.Hello hello, long frame, boolean resumed) {
+        return new Welcome(hello.id(), PROTOCOL, session.role(), hello.name(), session.body(), port.world(), frame,
+                port.framesPerSecond(), Optional.ofNullable(session.ticket()), resumed,
+                new Limits(config.lineBytes(), config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
+    }
+
+    private static double seconds(Duration duration) {
+        return duration.toMillis() / 1000.0;
     }
 
     /**
-     * Asks the world to let an agent in, under a name that it holds until it leaves.
+     * Lets a client in, or lets it go on where its last connection broke.
      *
+     * @return its session; the welcome comes when the world has taken it
      * @throws Ending if it cannot come in
      */
-    void join(Session session, ClientMessage.Hello hello) throws Ending {
-        requireAcceptable(hello);
-        if (!names.add(hello.name())) {
-            throw Ending.refused("name-taken", "another agent is called " + Text.quote(hello.name()),
+    Session greet(Connection connection, ClientMessage.Hello hello) throws Ending {
+        Role role = requireAcceptable(hello);
+        if (hello.resume().isPresent()) {
+            return resume(connection, hello, hello.resume().get());
+        }
+        var session = new Session(this, connection, role, hello);
+        if (sessions.putIfAbsent(hello.name(), session) != null) {
+            throw Ending.refused("name-taken", "another client is called " + Text.quote(hello.name()),
                     "say hello with another name");
         }
-        if (!port.commands().offer(command(new AgentInput.Join(hello.name(), hello.body()), session::joined))) {
-            names.remove(hello.name());
+        if (role != Role.AGENT) {
+            publisher.later(() -> session.welcome(Optional.empty(), published()));
+            return session;
+        }
+        var join = desk.command(new AgentInput.Join(hello.name(), hello.body()), session::joined);
+        if (!port.commands().offer(join)) {
+            sessions.remove(hello.name());
             throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");
         }
+        return session;
     }
 
-    /** Hands an act to the world. @return false if the world has no room for it */
-    boolean act(AgentInput.Act act, Consumer<Outcome> answer) {
-        return port.commands().offer(command(act, answer));
+    private Session resume(Connection connection, ClientMessage.Hello hello, ClientMessage.Resume resume)
+            throws Ending {
+        Session session = sessions.get(hello.name());
+        if (session == null || !session.hasToken(resume.session())) {
+            throw Ending.refused("no-such-session", "there is no session of " + Text.quote(hello.name())
+                    + " with this token, or it has ended", "say hello without resume");
+        }
+        session.resume(connection, resume.frame());
+        return session;
     }
 
-    /** Takes an agent out of the world, in the next frame that has room for the command. */
-    synchronized void leave(String agent, String reason) {
-        leaving.add(command(new AgentInput.Leave(agent, reason), outcome -> { }));
-        queueLeaving();
-    }
-
-    private AgentCommand command(AgentInput input, Consumer<Outcome> answer) {
-        return new AgentCommand(publisher, members, sequence.incrementAndGet(), input, answer);
+    /** Takes a client out of the world, in the next frame that has room for the command. */
+    synchronized void leave(Session session, String reason) {
+        if (session.role() == Role.AGENT) {
+            leaving.add(desk.command(new AgentInput.Leave(session.name(), reason), outcome -> { }));
+            queueLeaving();
+        } else {
+            sessions.remove(session.name());
+        }
     }
 
     /** Once queued, the name is free again: commands of one name keep their order. */
     private synchronized void queueLeaving() {
         while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {
-            names.remove(leaving.removeFirst().origin());
+            sessions.remove(leaving.removeFirst().origin());
         }
     }
 
-    void forget(Session session) {
-        if (sessions.remove(session)) {
+    void forget(Connection connection) {
+        if (connections.remove(connection)) {
             counters.open.decrement();
         }
     }
 
-    private static void requireAcceptable(ClientMessage.Hello hello) throws Ending {
+    private static Role requireAcceptable(ClientMessage.Hello hello) throws Ending {
         if (hello.protocol() != PROTOCOL) {
             throw Ending.refused("protocol-unsupported", "this server does not speak protocol " + hello.protocol(),
                     "say hello with \"protocol\":" + PROTOCOL);
-        }
-        if (!hello.role().equals("agent")) {
-            throw Ending.refused("role-unsupported", "this server does not know the role " + Text.quote(hello.role()),
-                    "say hello with \"role\":\"agent\", or leave it out");
         }
         if (!NAME.matcher(hello.name()).matches()) {
             throw Ending.refused("bad-name", Text.quote(hello.name()) + " is no name for an agent",
                     "use 1 to 64 of A-Z a-z 0-9 _ . - and begin with a letter or digit");
         }
+        return Role.of(hello.role()).orElseThrow(() -> Ending.refused("role-unsupported",
+                "this server does not know the role " + Text.quote(hello.role()), "it knows " + Role.names()));
     }
 
     // ---- connections ----
@@ -226,12 +250,12 @@ public final class AgentServer implements AutoCloseable {
             turnAway(connection);
             return;
         }
-        var session = new Session(this, connection);
-        sessions.add(session);
+        var accepted = new Connection(this, connection);
+        connections.add(accepted);
         counters.open.increment();
-        session.start();
+        accepted.start();
         if (closed) { // close() may have looked before we added it
-            session.end(Ending.regular("closing", "the server ends"));
+            accepted.end(Ending.regular("closing", "the server ends"));
         }
     }
 
@@ -261,7 +285,8 @@ public final class AgentServer implements AutoCloseable {
         while (!Thread.currentThread().isInterrupted()) {
             pause(Math.max(1, shortest / CHECKS_PER_DEADLINE));
             long now = System.nanoTime();
-            sessions.forEach(session -> session.checkDeadlines(now));
+            connections.forEach(connection -> connection.checkDeadlines(now));
+            sessions.values().forEach(session -> session.checkGrace(now));
         }
     }
 

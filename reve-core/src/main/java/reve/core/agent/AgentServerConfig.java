@@ -16,15 +16,16 @@ import java.time.Duration;
  * @param line longest time from a line's first byte to its last
  * @param idle silence after which a client is pinged, and after as much again cut off
  * @param write longest time that one write may take
+ * @param grace longest time that the body of an agent whose connection broke may wait for it
  * @param linger how long a finished connection may take to go
- * @param actsInFlight most acts of one agent that wait for their result
+ * @param actsInFlight most acts and other commands of one client that wait for their result
  * @param outboxMessages most messages of one agent that wait to be written
  * @param outboxBytes and most bytes of them
  * @param maxErrors refused lines after which a connection ends
  */
 public record AgentServerConfig(InetSocketAddress address, int maxConnections, int helloBytes, Duration hello,
-        int lineBytes, Duration line, Duration idle, Duration write, Duration linger, int actsInFlight,
-        int outboxMessages, int outboxBytes, int maxErrors) {
+        int lineBytes, Duration line, Duration idle, Duration write, Duration grace, Duration linger,
+        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors) {
 
     /** @throws IllegalArgumentException if the address is not loopback, or a limit is not positive */
     public AgentServerConfig {
@@ -40,6 +41,7 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
         requirePositive("line", line.toMillis());
         requirePositive("idle", idle.toMillis());
         requirePositive("write", write.toMillis());
+        requirePositive("grace", grace.toMillis());
         requirePositive("linger", linger.toMillis());
         requirePositive("actsInFlight", actsInFlight);
         requirePositive("outboxMessages", outboxMessages);
@@ -55,8 +57,8 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
     /** The protocol's limits on a loopback address. */
     public static AgentServerConfig on(InetSocketAddress address) {
         return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 1024 * 1024,
-                Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(1), 64,
-                1024, 1024 * 1024, 8);
+                Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(60),
+                Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8);
     }
 
     private static void requirePositive(String name, long value) {

@@ -10,20 +10,76 @@ sealed interface ClientMessage {
 
     long id();
 
-    /** @param body the lent item it asks for */
-    record Hello(long id, int protocol, String name, String role, Optional<String> body) implements ClientMessage {}
+    /** The message as the protocol names it. */
+    default String type() {
+        return switch (this) {
+            case Hello hello -> "hello";
+            case Perceive perceive -> "perceive";
+            case Act act -> "act";
+            case Pause pause -> "pause";
+            case Run run -> "run";
+            case Step step -> "step";
+            case LoadLaw load -> "load-law";
+            case UnloadLaw unload -> "unload-law";
+            case Edit edit -> "edit";
+            case Picture picture -> "picture";
+            case ShutDown shutDown -> "shut-down";
+            case Ping ping -> "ping";
+            case Pong pong -> "pong";
+            case Bye bye -> "bye";
+        };
+    }
+
+    /**
+     * @param role as written
+     * @param body the lent item it asks for
+     * @param graceSeconds how long its body is to stay when the connection breaks
+     * @param resume the session it goes on with
+     */
+    record Hello(long id, int protocol, String name, String role, Optional<String> body, double graceSeconds,
+            Optional<Resume> resume) implements ClientMessage {}
+
+    /**
+     * @param session what the welcome of the broken connection gave
+     * @param frame the last one whose events have all come
+     */
+    record Resume(String session, long frame) {}
 
     /** @param every frames between perceptions; 0 for no more, {@link #ONCE} for one now */
     record Perceive(long id, int every) implements ClientMessage {
         static final int ONCE = -1;
     }
 
-    /** @param arguments Double, List of Double, String or Boolean by parameter name */
-    record Act(long id, String item, String action, Map<String, Object> arguments) implements ClientMessage {}
-
     record Ping(long id) implements ClientMessage {}
 
     record Pong(long id) implements ClientMessage {}
 
     record Bye(long id) implements ClientMessage {}
+
+    /** What has a result and is done at most once. */
+    sealed interface Request extends ClientMessage {}
+
+    /** @param arguments Double, List of Double, String or Boolean by parameter name */
+    record Act(long id, String item, String action, Map<String, Object> arguments) implements Request {}
+
+    /** What only the role control may say. */
+    sealed interface Control extends Request {}
+
+    record Pause(long id) implements Control {}
+
+    record Run(long id) implements Control {}
+
+    record Step(long id, int frames) implements Control {}
+
+    /** @param parameters of its laws, in SI units */
+    record LoadLaw(long id, String library, Map<String, Double> parameters) implements Control {}
+
+    record UnloadLaw(long id, String library) implements Control {}
+
+    /** @param value Double, List of Double, String or Boolean */
+    record Edit(long id, String item, String property, Object value) implements Control {}
+
+    record Picture(long id) implements Control {}
+
+    record ShutDown(long id) implements Control {}
 }

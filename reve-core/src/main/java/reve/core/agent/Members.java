@@ -51,6 +51,10 @@ public final class Members {
             return switch (input) {
                 case AgentInput.Join join -> join(world, frame, join);
                 case AgentInput.Act act -> act(world, frame, act);
+                case AgentInput.Edit edit -> {
+                    ItemEdit.apply(world, edit);
+                    yield new Outcome.Done(frame);
+                }
                 case AgentInput.Leave leave -> leave(world, frame, leave);
             };
         } catch (Ending e) {

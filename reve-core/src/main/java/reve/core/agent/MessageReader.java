@@ -19,6 +19,7 @@ final class MessageReader {
 
     static final int MAX_EVERY = 1_000_000;
 
+    private static final double MAX_SECONDS = 1e6;
     private static final long MAX_ID = (1L << 53) - 1;
     private static final int MAX_REASON = 200;
     private static final String EXAMPLE = "send one JSON object per line, such as "
@@ -91,17 +92,30 @@ final class MessageReader {
         }
         return switch (type.stringValue()) {
             case "hello" -> new ClientMessage.Hello(fields.id, (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
-                    fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"));
+                    fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"),
+                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.resume());
             case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
                     ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE);
-            case "act" -> new ClientMessage.Act(fields.integer("id", 0, MAX_ID), fields.text("item"),
-                    fields.text("action"), fields.arguments());
+            case "act" -> new ClientMessage.Act(fields.required(), fields.text("item"), fields.text("action"),
+                    fields.arguments());
+            case "pause" -> new ClientMessage.Pause(fields.required());
+            case "run" -> new ClientMessage.Run(fields.required());
+            case "step" -> new ClientMessage.Step(fields.required(), fields.has("frames")
+                    ? (int) fields.integer("frames", 1, MAX_EVERY) : 1);
+            case "load-law" -> new ClientMessage.LoadLaw(fields.required(), fields.text("library"),
+                    fields.parameters());
+            case "unload-law" -> new ClientMessage.UnloadLaw(fields.required(), fields.text("library"));
+            case "edit" -> new ClientMessage.Edit(fields.required(), fields.text("item"), fields.text("property"),
+                    fields.value());
+            case "picture" -> new ClientMessage.Picture(fields.required());
+            case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
             case "bye" -> new ClientMessage.Bye(fields.id);
             default -> throw new BadMessage(fields.id, "unknown-type",
                     "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
-                    "a client sends hello, perceive, act, ping, pong or bye");
+                    "a client sends hello, perceive, act, ping, pong or bye; in the role control also pause, run, "
+                            + "step, load-law, unload-law, edit, picture or shut-down");
         };
     }
 
@@ -120,8 +134,51 @@ final class MessageReader {
             return find(name) != null;
         }
 
+        /** The id of a message that must have one. */
+        long required() throws BadMessage {
+            return integer("id", 0, MAX_ID);
+        }
+
         long integer(String name, long min, long max) throws BadMessage {
             return integer(id, name, min, max);
+        }
+
+        double number(String name, double min, double max) throws BadMessage {
+            JsonNode field = find(name);
+            double value = field != null && field.isNumber() ? field.asDouble() : Double.NaN;
+            if (!(value >= min && value <= max)) {
+                throw bad(id, name, field == null ? "is missing" : "is " + show(field),
+                        "expected a number from " + min + " to " + max);
+            }
+            return value;
+        }
+
+        Optional<ClientMessage.Resume> resume() throws BadMessage {
+            JsonNode field = find("resume");
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isObject()) {
+                throw bad(id, "resume", "is " + show(field), "expected an object with session and frame");
+            }
+            var resume = new Fields(field);
+            return Optional.of(new ClientMessage.Resume(resume.text("session"), resume.integer("frame", 0, MAX_ID)));
+        }
+
+        Map<String, Double> parameters() throws BadMessage {
+            var parameters = new LinkedHashMap<String, Double>();
+            for (Map.Entry<String, JsonNode> parameter : object("parameters").entrySet()) {
+                parameters.put(parameter.getKey(), number("parameters", parameter.getKey(), parameter.getValue()));
+            }
+            return parameters;
+        }
+
+        Object value() throws BadMessage {
+            JsonNode field = find("value");
+            if (field == null) {
+                throw bad(id, "value", "is missing", "expected a number, a list of numbers, a text, or true or false");
+            }
+            return value("value", "value", field);
         }
 
         String text(String name) throws BadMessage {
@@ -140,41 +197,47 @@ final class MessageReader {
         }
 
         Map<String, Object> arguments() throws BadMessage {
-            JsonNode field = find("arguments");
-            if (field == null) {
-                return Map.of();
-            }
-            if (!field.isObject()) {
-                throw bad(id, "arguments", "is " + show(field), "expected an object of values by parameter name");
-            }
             var arguments = new LinkedHashMap<String, Object>();
-            for (Map.Entry<String, JsonNode> argument : field.properties()) {
-                arguments.put(argument.getKey(), argument(argument.getKey(), argument.getValue()));
+            for (Map.Entry<String, JsonNode> argument : object("arguments").entrySet()) {
+                arguments.put(argument.getKey(), value("arguments", argument.getKey(), argument.getValue()));
             }
             return arguments;
         }
 
-        private Object argument(String name, JsonNode value) throws BadMessage {
+        private Map<String, JsonNode> object(String name) throws BadMessage {
+            JsonNode field = find(name);
+            if (field == null) {
+                return Map.of();
+            }
+            if (!field.isObject()) {
+                throw bad(id, name, "is " + show(field), "expected an object of values by parameter name");
+            }
+            var values = new LinkedHashMap<String, JsonNode>();
+            field.properties().forEach(entry -> values.put(entry.getKey(), entry.getValue()));
+            return values;
+        }
+
+        private Object value(String in, String name, JsonNode value) throws BadMessage {
             if (value.isString()) {
                 return value.stringValue();
             }
             if (value.isBoolean()) {
                 return value.booleanValue();
             }
-            return value.isArray() ? numbers(name, value) : number(name, value);
+            return value.isArray() ? numbers(in, name, value) : number(in, name, value);
         }
 
-        private List<Double> numbers(String name, JsonNode value) throws BadMessage {
+        private List<Double> numbers(String in, String name, JsonNode value) throws BadMessage {
             var numbers = new ArrayList<Double>(value.size());
             for (JsonNode element : value.values()) {
-                numbers.add(number(name, element));
+                numbers.add(number(in, name, element));
             }
             return numbers;
         }
 
-        private Double number(String name, JsonNode value) throws BadMessage {
+        private Double number(String in, String name, JsonNode value) throws BadMessage {
             if (!value.isNumber()) {
-                throw bad(id, "arguments", "holds " + show(value) + " for " + Text.quote(name),
+                throw bad(id, in, "holds " + show(value) + " for " + Text.quote(name),
                         "expected a number, a list of numbers, a text, or true or false");
             }
             return value.asDouble();

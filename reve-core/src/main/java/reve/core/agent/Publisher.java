@@ -6,9 +6,7 @@ import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
-import java.util.concurrent.atomic.AtomicReference;
 import java.util.concurrent.locks.LockSupport;
-import org.jspecify.annotations.Nullable;
 import reve.core.frame.FrameEvent;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldSnapshot;
@@ -26,7 +24,7 @@ final class Publisher {
     private final RateLimitedLog log;
     private final Runnable afterFrame;
     private final PerceptionEncoder encoder = new PerceptionEncoder();
-    private final AtomicReference<@Nullable AgentCommand> completed = new AtomicReference<>();
+    private final Queue<Runnable> reports = new ConcurrentLinkedQueue<>();
     private final Queue<List<WorldEvent>> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger eventFrames = new AtomicInteger();
     private final AtomicInteger lostEventFrames = new AtomicInteger();
@@ -55,15 +53,6 @@ final class Publisher {
 
     // ---- world's thread ----
 
-    /** A command was executed in ACT. */
-    void completed(AgentCommand command) {
-        AgentCommand previous;
-        do {
-            previous = completed.get();
-            command.previous = previous;
-        } while (!completed.compareAndSet(previous, command));
-    }
-
     /** Listens to PUBLISH. */
     void onFrame(FrameEvent event) {
         List<WorldEvent> happened = event.world().events();
@@ -80,6 +69,12 @@ final class Publisher {
     }
 
     // ---- any thread ----
+
+    /** Has something told to a client on the publisher's thread, before the next perception. */
+    void later(Runnable report) {
+        reports.add(report);
+        LockSupport.unpark(thread);
+    }
 
     /** The last frame that was published. */
     long published() {
@@ -105,13 +100,15 @@ final class Publisher {
     }
 
     private void publish() {
-        members.removeIf(Session::hasEnded);
+        members.removeIf(Session::hasLeft);
         // First the snapshot, then events, then commands: so that whoever perceives a frame has been told before
         // what happened in it, and whoever joined in a frame is there to hear its events.
         Optional<WorldSnapshot> snapshot = unservedSnapshot();
         try {
             List<WorldEvent> news = takeEvents();
-            reportCompleted();
+            for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
+                report.run();
+            }
             news.forEach(this::tell);
             snapshot.ifPresent(this::serve);
         } finally {
@@ -145,21 +142,9 @@ final class Publisher {
         return news;
     }
 
-    private void reportCompleted() {
-        var reports = new ArrayList<AgentCommand>();
-        for (AgentCommand c = completed.getAndSet(null); c != null; c = c.previous) {
-            reports.add(c);
-        }
-        reports.reversed().forEach(AgentCommand::report);
-    }
-
     private void tell(WorldEvent event) {
         byte[] line = new ServerMessage.Event(event.frame(), event.type(), event.fields()).line();
-        for (Session member : members) {
-            if (event.frame() >= member.joinedInFrame()) {
-                member.send(line);
-            }
-        }
+        members.forEach(member -> member.tell(event.frame(), line));
     }
 
     private void serve(WorldSnapshot snapshot) {

@@ -13,10 +13,14 @@ sealed interface ServerMessage {
         return ClientMessage.NO_ID;
     }
 
-    record Limits(int lineBytes, int actsInFlight, double idleSeconds) {}
+    record Limits(int lineBytes, int actsInFlight, double idleSeconds, double graceSeconds) {}
 
-    record Welcome(long id, int protocol, String agent, String body, String world, long frame, int rate,
-            Limits limits) implements ServerMessage {}
+    /** With it, another connection goes on with the session within that time after the first broke. */
+    record Ticket(String token, double graceSeconds) {}
+
+    /** @param body of a client of the role agent */
+    record Welcome(long id, int protocol, Role role, String agent, Optional<String> body, String world, long frame,
+            int rate, Optional<Ticket> session, boolean resumed, Limits limits) implements ServerMessage {}
 
     record Accepted(long id, long frame) implements ServerMessage {}
 
@@ -101,15 +105,26 @@ sealed interface ServerMessage {
 
     private static void writeWelcome(Welcome welcome, JsonGenerator json) {
         json.writeNumberProperty("protocol", welcome.protocol);
+        json.writeStringProperty("role", welcome.role.wireName());
         json.writeStringProperty("agent", welcome.agent);
-        json.writeStringProperty("body", welcome.body);
+        welcome.body.ifPresent(body -> json.writeStringProperty("body", body));
         json.writeStringProperty("world", welcome.world);
         json.writeNumberProperty("frame", welcome.frame);
         json.writeNumberProperty("rate", welcome.rate);
+        welcome.session.ifPresent(session -> {
+            json.writeObjectPropertyStart("session");
+            json.writeStringProperty("token", session.token);
+            json.writeNumberProperty("graceSeconds", session.graceSeconds);
+            json.writeEndObject();
+        });
+        if (welcome.resumed) {
+            json.writeBooleanProperty("resumed", true);
+        }
         json.writeObjectPropertyStart("limits");
         json.writeNumberProperty("lineBytes", welcome.limits.lineBytes);
         json.writeNumberProperty("actsInFlight", welcome.limits.actsInFlight);
         json.writeNumberProperty("idleSeconds", welcome.limits.idleSeconds);
+        json.writeNumberProperty("graceSeconds", welcome.limits.graceSeconds);
         json.writeEndObject();
     }
 }

@@ -1,68 +1,97 @@
 package reve.core.agent;
 
-import java.io.BufferedOutputStream;
-import java.io.IOException;
-import java.io.InputStream;
-import java.io.OutputStream;
-import java.net.Socket;
-import java.nio.ByteBuffer;
-import java.time.Duration;
-import java.util.concurrent.atomic.AtomicInteger;
+import java.nio.charset.StandardCharsets;
+import java.security.MessageDigest;
+import java.security.SecureRandom;
+import java.util.HexFormat;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
 import org.jspecify.annotations.Nullable;
 
 /**
- * One connection: a reader and a writer of its own, and what the agent behind it is waiting for. However it ends,
- * it ends once, with a reason.
+ * One client from its hello to its leave: who it is, what it has asked for, which commands it has given. It outlives
+ * a broken connection for as long as its hello asked for; another connection that knows its token goes on with it.
  */
 final class Session {
 
-    private static final int SEND_BUFFER_BYTES = 64 * 1024;
-    private static final int WRITE_BUFFER_BYTES = 16 * 1024;
-    private static final int MAX_DRAINED_BYTES = 1024 * 1024;
+    /** Reasons for which a connection ends that are nobody's fault. */
+    private static final Set<String> RESUMABLE = Set.of("lost", "idle", "too-slow");
+    private static final SecureRandom RANDOM = new SecureRandom();
+    private static final int TOKEN_BYTES = 16;
 
     private final AgentServer server;
-    private final AgentServerConfig config;
     private final Counters counters;
-    private final Socket socket;
-    private final Outbox outbox;
-    private final PerceptionRequests perceptions;
-    private final AtomicInteger actsInFlight = new AtomicInteger();
-    private final Thread reader;
-    private final Thread writer;
-    private int errors;
+    private final String name;
+    private final Role role;
+    private final ClientMessage.Hello hello;
+    private final double graceSeconds;
+    private final String token;
 
     // Guarded by this.
-    private ClientMessage.@Nullable Hello hello;
+    private final CommandLog commands = new CommandLog();
+    private final EventLog events;
+    private Optional<String> body = Optional.empty();
+    private int inFlight;
     private boolean welcomed;
-    private long joinedInFrame;
+    private long lastResultFrame;
+    private long brokenNanos;
 
-    private volatile @Nullable Ending ending;
-    private volatile long endedNanos;
-    private volatile long writingSinceNanos;
-    private volatile boolean writing;
+    /** Null while the connection is broken. Changes with this held. */
+    private volatile @Nullable Connection connection;
+    private volatile PerceptionRequests perceptions;
+    private volatile long joinedInFrame;
+    private volatile boolean left;
 
-    Session(AgentServer server, Socket socket) {
+    Session(AgentServer server, Connection connection, Role role, ClientMessage.Hello hello) {
+        AgentServerConfig config = server.config();
         this.server = server;
-        this.config = server.config();
         this.counters = server.counters();
-        this.socket = socket;
-        this.outbox = new Outbox(config.outboxMessages(), config.outboxBytes());
-        this.perceptions = new PerceptionRequests(outbox, counters.perceptions);
-        this.reader = Thread.ofVirtual().name("agent reader").unstarted(this::read);
-        this.writer = Thread.ofVirtual().name("agent writer").unstarted(this::write);
+        this.name = hello.name();
+        this.role = role;
+        this.hello = hello;
+        this.graceSeconds = Math.min(hello.graceSeconds(), config.grace().toMillis() / 1000.0);
+        this.token = newToken();
+        this.events = new EventLog(config.outboxMessages(), config.outboxBytes());
+        this.connection = connection;
+        this.perceptions = new PerceptionRequests(connection.outbox(), counters.perceptions);
     }
 
-    void start() {
-        writer.start();
-        reader.start();
+    private static String newToken() {
+        byte[] bytes = new byte[TOKEN_BYTES];
+        RANDOM.nextBytes(bytes);
+        return HexFormat.of().formatHex(bytes);
+    }
+
+    String name() {
+        return name;
+    }
+
+    Role role() {
+        return role;
+    }
+
+    boolean hasLeft() {
+        return left;
+    }
+
+    long joinedInFrame() {
+        return joinedInFrame;
     }
 
     PerceptionRequests perceptions() {
         return perceptions;
     }
 
-    boolean hasEnded() {
-        return ending != null;
+    /** Takes as long for any wrong token. */
+    boolean hasToken(String claimed) {
+        return graceSeconds > 0 && MessageDigest.isEqual(token.getBytes(StandardCharsets.US_ASCII),
+                claimed.getBytes(StandardCharsets.UTF_8));
+    }
+
+    @Override
+    public String toString() {
+        return role.wireName() + " " + name;
     }
 
     // ---- publisher's thread ----
@@ -70,251 +99,215 @@ final class Session {
     /** The agent has its body, or cannot have one. */
     void joined(Outcome outcome) {
         switch (outcome) {
-            case Outcome.Joined joined -> welcome(joined.body(), joined.frame());
+            case Outcome.Joined joined -> welcome(Optional.of(joined.body()), joined.frame());
             case Outcome.Refused no -> end(Ending.refused(no.code(), no.reason(), no.hint().orElse("")));
-            case Outcome.Failed failed -> fail(failed.cause());
+            case Outcome.Failed failed -> {
+                server.log().error(this + " could not join", failed.cause());
+                end(Ending.regular("failed", "the server has an error; its log says more"));
+            }
             case Outcome.Done done -> { }
             case Outcome.Absent absent -> { }
         }
     }
 
-    private synchronized void welcome(String body, long frame) {
-        ClientMessage.Hello greeting = hello;
-        if (greeting == null || hasEnded()) {
+    /** The client is in the world, from that frame on. */
+    synchronized void welcome(Optional<String> itsBody, long frame) {
+        if (left) {
             return;
         }
+        body = itsBody;
         welcomed = true;
         joinedInFrame = frame;
-        counters.joined.increment();
-        counters.agents.increment();
+        if (role == Role.AGENT) {
+            counters.joined.increment();
+            counters.agents.increment();
+        }
         perceptions.notBefore(frame);
-        send(server.welcome(greeting, body, frame).line());
+        offer(server.welcome(this, hello, frame, false).line());
         server.admit(this);
-        server.log().info("agent " + greeting.name() + " joined with body " + Text.quote(body));
+        server.log().info(this + " joined" + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
-    synchronized long joinedInFrame() {
-        return joinedInFrame;
-    }
-
-    /** An act of this agent has its outcome. */
-    private void acted(ClientMessage.Act act, Outcome outcome) {
-        switch (outcome) {
-            case Outcome.Done done -> answer(new ServerMessage.Accepted(act.id(), done.frame()), done.frame());
-            case Outcome.Refused no -> answer(new ServerMessage.Refused(act.id(), no.code(), no.reason()), no.frame());
-            case Outcome.Failed failed -> {
-                server.log().error("action " + Text.quote(act.action()) + " of item " + Text.quote(act.item())
-                        + " failed", failed.cause());
-                answer(new ServerMessage.Refused(act.id(), "action-failed", "the action " + Text.quote(act.action())
-                        + " failed; the server's log says why"), failed.frame());
-            }
-            case Outcome.Joined joined -> { }
-            case Outcome.Absent absent -> { }
-        }
-    }
-
-    private void answer(ServerMessage result, long frame) {
-        actsInFlight.decrementAndGet();
-        (result instanceof ServerMessage.Accepted ? counters.actsAccepted : counters.actsRefused).increment();
-        perceptions.notBefore(frame);
-        send(result.line());
-    }
-
-    // ---- any thread ----
-
-    /** Queues a line for the client; ends the connection if too much is waiting. */
-    void send(byte[] line) {
-        if (!outbox.offer(line)) {
-            end(Ending.cut("too-slow", "more than " + config.outboxMessages() + " messages or "
-                    + config.outboxBytes() + " bytes wait to be read"));
-        }
-    }
-
-    /** Says bye and lets go; the first reason counts. */
-    synchronized void end(Ending why) {
-        if (hasEnded()) {
+    /** Tells what happened in a frame. */
+    void tell(long frame, byte[] event) {
+        if (frame < joinedInFrame) {
             return;
         }
-        endedNanos = System.nanoTime();
-        ending = why;
-        if (hello != null) {
-            server.leave(hello.name(), why.code());
-        }
-        if (welcomed) {
-            counters.agents.decrement();
-        }
-        if (why.isCut()) {
-            counters.cut.increment();
-        }
-        report(why);
-        outbox.finish(why.bye().line()); // who has read its bye has left, and may come back
-    }
-
-    /** Called every now and then; ends a write that takes too long and a connection that does not go. */
-    void checkDeadlines(long nowNanos) {
-        if (writing && nowNanos - writingSinceNanos > config.write().toNanos()) {
-            end(Ending.cut("too-slow", "a write took longer than " + config.write().toMillis() / 1000.0 + " s"));
-            closeSocket();
-        } else if (hasEnded() && nowNanos - endedNanos > config.linger().toNanos()) {
-            closeSocket();
-        }
-    }
-
-    /** Waits until the connection is gone. @return false if it is still there after that time */
-    boolean join(Duration timeout) throws InterruptedException {
-        return reader.join(timeout);
-    }
-
-    void closeSocket() {
-        try {
-            socket.close();
-        } catch (IOException e) {
-            // Closing frees the descriptor even when it complains.
-        }
-    }
-
-    private void report(Ending why) {
-        ClientMessage.Hello greeting = hello;
-        String who = greeting == null ? "a client at " + socket.getRemoteSocketAddress() : "agent " + greeting.name();
-        String line = who + " left: " + why.code() + ": " + why.getMessage();
-        if (why.isCut()) {
-            server.log().warn(line);
-        } else {
-            server.log().info(line);
-        }
-    }
-
-    // ---- reader ----
-
-    private void read() {
-        try {
-            socket.setTcpNoDelay(true);
-            socket.setSendBufferSize(SEND_BUFFER_BYTES);
-            var lines = new LineReader(socket, config, () -> send(new ServerMessage.Ping().line()));
-            for (ByteBuffer line = lines.next(); line != null && !hasEnded(); line = lines.next()) {
-                counters.lines.increment();
-                take(line, lines);
+        boolean room;
+        synchronized (this) {
+            if (graceSeconds > 0) {
+                events.add(frame, event);
             }
-            end(Ending.regular("lost", "the client closed the connection without a bye"));
-        } catch (Ending e) {
-            end(e);
-        } catch (IOException e) {
-            end(Ending.regular("lost", "the connection broke"));
-        } catch (Throwable e) {
-            fail(e);
-        } finally {
-            letGo();
-            server.forget(this);
+            room = offer(event);
+        }
+        if (!room) {
+            end(Ending.cut("too-slow", "too many events wait to be read"));
         }
     }
 
-    /** An error in the server, even of the virtual machine: the agent must not stay behind in the world. */
-    private void fail(Throwable error) {
-        server.log().error("serving a connection failed", error);
-        end(Ending.regular("failed", "the server has an error; its log says more"));
+    /** A command has its result. */
+    void finish(ClientMessage.Request request, ServerMessage result, long frame) {
+        if (request instanceof ClientMessage.Act) {
+            (result instanceof ServerMessage.Accepted ? counters.actsAccepted : counters.actsRefused).increment();
+        }
+        boolean room;
+        synchronized (this) {
+            inFlight--;
+            commands.finish(request.id(), result);
+            lastResultFrame = Math.max(lastResultFrame, frame);
+            perceptions.notBefore(lastResultFrame);
+            room = offer(result.line());
+        }
+        if (!room) {
+            end(Ending.cut("too-slow", "too many results wait to be read"));
+        }
     }
 
-    private void take(ByteBuffer line, LineReader lines) throws Ending {
-        try {
-            handle(MessageReader.read(line), lines);
-        } catch (BadMessage e) {
-            counters.errors.increment();
-            send(e.error().line());
-            errors++;
-            if (errors >= config.maxErrors()) {
-                throw Ending.cut("too-many-errors", errors + " lines were refused");
+    // ---- its connection's reader ----
+
+    void perceive(ClientMessage.Perceive perceive) throws BadMessage {
+        perceptions.ask(perceive, server.published());
+    }
+
+    /** Has a command done, unless it was given before. */
+    void request(ClientMessage.Request request) throws BadMessage {
+        Role needed = request instanceof ClientMessage.Act ? Role.AGENT : Role.CONTROL;
+        if (role != needed) {
+            throw new BadMessage(request.id(), "not-permitted", "this connection is " + this + ", and " + request.type()
+                    + " takes the role " + needed.wireName(), "say hello with \"role\":\"" + needed.wireName() + "\"");
+        }
+        if (begin(request)) {
+            server.desk().submit(this, request);
+        }
+    }
+
+    /** The command cannot be taken now; it may be sent again. */
+    void refuse(ClientMessage.Request request, String code, String reason) {
+        synchronized (this) {
+            inFlight--;
+            commands.cancel(request.id());
+        }
+        if (request instanceof ClientMessage.Act) {
+            counters.actsRefused.increment();
+        }
+        send(new ServerMessage.Refused(request.id(), code, reason));
+    }
+
+    private boolean begin(ClientMessage.Request request) {
+        CommandLog.Known known;
+        boolean tooMany;
+        synchronized (this) {
+            known = commands.look(request.id());
+            tooMany = inFlight >= server.config().actsInFlight();
+            if (known instanceof CommandLog.Known.Fresh) {
+                inFlight++;
+                commands.begin(request.id());
             }
         }
-    }
-
-    private void handle(ClientMessage message, LineReader lines) throws BadMessage, Ending {
-        ClientMessage.Hello said = hello;
-        if (said == null && !(message instanceof ClientMessage.Hello)) {
-            throw new BadMessage(message.id(), "hello-expected", "the first message must be hello",
-                    "send {\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}");
-        }
-        switch (message) {
-            case ClientMessage.Hello greeting -> {
-                if (said != null) {
-                    throw new BadMessage(greeting.id(), "hello-again", "this connection is agent " + said.name()
-                            + " already", "open another connection for another agent");
+        switch (known) {
+            case CommandLog.Known.Fresh fresh -> {
+                if (tooMany) {
+                    refuse(request, "too-many-acts",
+                            server.config().actsInFlight() + " commands wait for their result already");
                 }
-                join(greeting);
-                lines.greeted();
+                return !tooMany;
             }
-            case ClientMessage.Perceive perceive -> perceptions.ask(perceive, server.published());
-            case ClientMessage.Act act -> act(act, said);
-            case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()).line());
-            case ClientMessage.Pong pong -> { }
-            case ClientMessage.Bye bye -> throw Ending.regular("goodbye", "the agent said bye");
+            case CommandLog.Known.Pending pending -> { }
+            case CommandLog.Known.Done done -> send(done.result());
+            case CommandLog.Known.Forgotten forgotten -> send(new ServerMessage.Refused(request.id(), "id-forgotten",
+                    "a command with this id may have been done long ago; give new commands higher ids"));
         }
+        return false;
     }
 
-    private synchronized void join(ClientMessage.Hello greeting) throws Ending {
-        if (!hasEnded()) {
-            server.join(this, greeting);
-            hello = greeting;
+    // ---- the connection ----
+
+    /**
+     * Goes on over another connection, with what the client has missed.
+     *
+     * @throws Ending if it cannot be told all that it missed
+     */
+    void resume(Connection next, long frameSeen) throws Ending {
+        Connection previous;
+        synchronized (this) {
+            List<byte[]> missed = events.after(frameSeen).orElseThrow(() -> Ending.refused("resume-too-late",
+                    "not all events since frame " + frameSeen + " are remembered", "say hello without resume"));
+            previous = connection;
+            connection = next;
+            perceptions = new PerceptionRequests(next.outbox(), counters.perceptions);
+            perceptions.notBefore(lastResultFrame);
+            offer(server.welcome(this, hello, server.published(), true).line());
+            missed.forEach(this::offer);
         }
-    }
-
-    private void act(ClientMessage.Act act, ClientMessage.Hello greeting) {
-        var input = new AgentInput.Act(greeting.name(), act.item(), act.action(), act.arguments());
-        if (actsInFlight.incrementAndGet() > config.actsInFlight()) {
-            refuse(act, "too-many-acts", config.actsInFlight() + " acts wait for their result already");
-        } else if (!server.act(input, outcome -> acted(act, outcome))) {
-            refuse(act, "world-busy", "the world has more to do than fits into a frame");
+        if (previous != null) {
+            previous.end(Ending.regular("resumed", "another connection goes on with this session"));
         }
+        server.log().info(this + " is back");
     }
 
-    private void refuse(ClientMessage.Act act, String code, String reason) {
-        answer(new ServerMessage.Refused(act.id(), code, reason), 0);
-    }
-
-    /** Closes so that the last line arrives: what the client still sends would else reset the connection. */
-    private void letGo() {
-        try (socket) {
-            writer.join();
-            InputStream in = socket.getInputStream();
-            socket.setSoTimeout(Math.toIntExact(config.linger().toMillis()));
-            byte[] ignored = new byte[1024];
-            int drained = 0;
-            for (int count = 0; count >= 0 && drained < MAX_DRAINED_BYTES; count = in.read(ignored)) {
-                drained += count;
+    /** A connection has ended; if it was this session's, the session breaks or ends. */
+    void disconnected(Connection ended, Ending why) {
+        synchronized (this) {
+            if (connection != ended || left) {
+                return;
             }
-        } catch (IOException e) {
-            // The client, or our deadline, was faster.
-        } catch (InterruptedException e) {
-            Thread.currentThread().interrupt();
+            connection = null;
+            if (welcomed && graceSeconds > 0 && RESUMABLE.contains(why.code())) {
+                brokenNanos = System.nanoTime();
+                return;
+            }
+        }
+        leave(why.code());
+    }
+
+    /** Called every now and then; leaves when nobody came back in time. */
+    void checkGrace(long nowNanos) {
+        synchronized (this) {
+            if (connection != null || left || nowNanos - brokenNanos < graceSeconds * 1e9) {
+                return;
+            }
+        }
+        leave("lost");
+    }
+
+    private void leave(String reason) {
+        synchronized (this) {
+            if (left) {
+                return;
+            }
+            left = true;
+            if (welcomed && role == Role.AGENT) {
+                counters.agents.decrement();
+            }
+        }
+        server.leave(this, reason);
+    }
+
+    synchronized ServerMessage.@Nullable Ticket ticket() {
+        return graceSeconds > 0 ? new ServerMessage.Ticket(token, graceSeconds) : null;
+    }
+
+    synchronized Optional<String> body() {
+        return body;
+    }
+
+    private void send(ServerMessage message) {
+        Connection now = connection;
+        if (now != null) {
+            now.send(message.line());
         }
     }
 
-    // ---- writer ----
-
-    private void write() {
-        try {
-            OutputStream out = new BufferedOutputStream(socket.getOutputStream(), WRITE_BUFFER_BYTES);
-            for (Outbox.Line line = outbox.take(); line != null; line = outbox.take()) {
-                writingSinceNanos = System.nanoTime();
-                writing = true;
-                out.write(line.head());
-                out.write(line.tail());
-                if (outbox.isEmpty()) {
-                    out.flush();
-                }
-                writing = false;
-            }
-            out.flush();
-            socket.shutdownOutput();
-        } catch (IOException e) {
-            end(Ending.regular("lost", "the connection broke"));
-            closeSocket();
-        } catch (InterruptedException e) {
-            Thread.currentThread().interrupt();
-        } catch (Throwable e) {
-            fail(e);
-            closeSocket();
-        } finally {
-            writing = false;
+    private void end(Ending why) {
+        Connection now = connection;
+        if (now != null) {
+            now.end(why);
         }
+    }
+
+    /** With this held. @return false if the client has let too much pile up */
+    private boolean offer(byte[] line) {
+        Connection now = connection;
+        return now == null || now.outbox().offer(line);
     }
 }

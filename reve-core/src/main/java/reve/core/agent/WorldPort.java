@@ -3,6 +3,7 @@ package reve.core.agent;
 import reve.core.file.AgentPolicy;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
+import reve.core.frame.FrameLoop;
 import reve.core.world.SnapshotRing;
 
 /**
@@ -15,6 +16,8 @@ import reve.core.world.SnapshotRing;
  *     before the server is started, so that the server finds the frame's snapshot there
  * @param commands takes what agents want into the next frame
  * @param snapshots what agents perceive
+ * @param loop makes the frames
+ * @param control what else clients of the role control may do
  */
 public record WorldPort(String world, int framesPerSecond, AgentPolicy agents, FrameBus bus, CommandQueue commands,
-        SnapshotRing snapshots) {}
+        SnapshotRing snapshots, FrameLoop loop, WorldControl control) {}

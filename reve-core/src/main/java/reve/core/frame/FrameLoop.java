@@ -22,6 +22,9 @@ public final class FrameLoop {
      */
     public static final int MAX_CATCH_UP_FRAMES = 4;
 
+    private static final long UNLIMITED = Long.MAX_VALUE;
+    /** How long a paused loop sleeps at most; whoever resumes it wakes it up. */
+    private static final long PAUSE_NANOSECONDS = 100_000_000;
     private static final FramePhase[] PHASES = FramePhase.values();
 
     private final World world;
@@ -32,6 +35,10 @@ public final class FrameLoop {
     private final AtomicLong busyNanoseconds = new AtomicLong();
     private final AtomicLong frames = new AtomicLong();
     private final FrameClock clock;
+    /** The last frame that {@link #run} may make; {@link #UNLIMITED} unless paused. */
+    private final AtomicLong lastAllowed = new AtomicLong(UNLIMITED);
+    /** The last frame that was begun. */
+    private final AtomicLong begunFrame = new AtomicLong();
     private boolean begun;
     private boolean making;
     private volatile boolean stopped;
@@ -56,6 +63,7 @@ public final class FrameLoop {
         begin();
         long start = clock.nanoTime();
         long frame = frames.getPlain() + 1;
+        begunFrame.set(frame);
         dispatch(frame, FramePhase.INTAKE);
         dispatch(frame, FramePhase.ACT);
         dispatch(frame, FramePhase.PHYSICS);
@@ -82,6 +90,8 @@ public final class FrameLoop {
             throw new IllegalArgumentException("frame is " + frame + ", expected 0 or more");
         }
         frames.setRelease(frame);
+        begunFrame.set(frame);
+        lastAllowed.updateAndGet(last -> last == UNLIMITED ? UNLIMITED : frame);
         begun = false;
     }
 
@@ -96,7 +106,7 @@ public final class FrameLoop {
         runner = Thread.currentThread();
         try {
             pacer.start();
-            for (long i = 0; i < count && isWanted(); i++) {
+            for (long i = 0; i < count && mayBegin(); i++) {
                 step();
                 pacer.frameDone();
                 awaitNextFrame();
@@ -115,6 +125,42 @@ public final class FrameLoop {
     public void stop() {
         stopped = true;
         LockSupport.unpark(runner);
+    }
+
+    /**
+     * Keeps {@link #run} from making another frame, until it is resumed. Any thread.
+     *
+     * @return the frame after which it pauses: the last one that was begun
+     */
+    public synchronized long pause() {
+        lastAllowed.set(0); // from here on none is begun, or the loop looks again
+        long last = begunFrame.get();
+        lastAllowed.set(last);
+        return last;
+    }
+
+    /** Lets {@link #run} go on after a pause, as if no time had passed. Any thread. */
+    public synchronized void resume() {
+        lastAllowed.set(UNLIMITED);
+        LockSupport.unpark(runner);
+    }
+
+    /**
+     * Lets {@link #run} make that many frames more and pause then. Any thread.
+     *
+     * @return the frame after which it pauses
+     */
+    public synchronized long resume(long count) {
+        long paused = lastAllowed.get();
+        long last = (paused == UNLIMITED ? pause() : paused) + count;
+        lastAllowed.set(last);
+        LockSupport.unpark(runner);
+        return last;
+    }
+
+    /** True while no other frame may be made. Any thread. */
+    public boolean isPaused() {
+        return lastAllowed.get() <= frame();
     }
 
     /** Frames completed. Any thread. */
@@ -160,6 +206,32 @@ public final class FrameLoop {
         int index = phase.ordinal();
         phaseNanoseconds.setRelease(index,
                 phaseNanoseconds.getPlain(index) + clock.nanoTime() - start);
+    }
+
+    /** Waits while paused. @return false if no more frames are wanted */
+    private boolean mayBegin() {
+        boolean paused = false;
+        while (isWanted() && !begin(frame() + 1)) {
+            paused = true;
+            clock.park(PAUSE_NANOSECONDS);
+        }
+        if (paused) {
+            pacer.start();
+        }
+        return isWanted();
+    }
+
+    /** Begins a frame unless paused; whoever pauses meanwhile learns of it, or stops it. */
+    private boolean begin(long frame) {
+        if (lastAllowed.get() < frame) {
+            return false;
+        }
+        begunFrame.set(frame);
+        if (lastAllowed.get() < frame) {
+            begunFrame.set(frame - 1);
+            return false;
+        }
+        return true;
     }
 
     private boolean isWanted() {

@@ -48,7 +48,7 @@ class AgentErrorsTest {
     @Test
     void anErrorWhileReadingEndsTheConnectionWithABye() throws Exception {
         var written = new ByteArrayOutputStream();
-        var session = new Session(room.server, new OddSocket(written, true, false));
+        var session = new Connection(room.server, new OddSocket(written, true, false));
         session.start();
         assertThat(session.join(PATIENCE)).isTrue();
         assertThat(written.toString(StandardCharsets.UTF_8)).contains("\"code\":\"failed\"");
@@ -56,7 +56,7 @@ class AgentErrorsTest {
 
     @Test
     void anErrorWhileWritingEndsTheConnection() throws Exception {
-        var session = new Session(room.server,
+        var session = new Connection(room.server,
                 new OddSocket(new ByteArrayOutputStream(), false, true));
         session.start();
         assertThat(session.join(PATIENCE)).isTrue();

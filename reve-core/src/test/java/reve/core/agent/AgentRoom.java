@@ -59,7 +59,8 @@ final class AgentRoom implements AutoCloseable {
         bus.subscribe(FramePhase.PUBLISH, "snapshots",
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
         loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
-        server = AgentServer.start(config, new WorldPort(world.name(), 60, policy, bus, commands, snapshots));
+        server = AgentServer.start(config, new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
+                WorldControl.none()));
     }
 
     static AgentPolicy lending(String... bodies) {
@@ -84,7 +85,7 @@ final class AgentRoom implements AutoCloseable {
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
         return new AgentServerConfig(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 1024, 8192, hello,
-                4096, line, idle, write, Duration.ofMillis(500), 4, 64, 64 * 1024, 8);
+                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofMillis(500), 4, 64, 64 * 1024, 8);
     }
 
     /** One frame. */

@@ -387,8 +387,8 @@ class AgentServerTest {
     @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
         "'protocol':2,'name':'ada' | protocol-unsupported",
         "'protocol':0,'name':'ada' | protocol-unsupported",
-        "'protocol':1,'name':'ada','role':'control' | role-unsupported",
-        "'protocol':1,'name':'ada','role':'observer' | role-unsupported",
+        "'protocol':1,'name':'ada','role':'god' | role-unsupported",
+        "'protocol':1,'name':'ada','resume':{'session':'0011','frame':3} | no-such-session",
         "'protocol':1,'name':'-ada' | bad-name",
         "'protocol':1,'name':'a da' | bad-name",
         "'protocol':1,'name':'ä' | bad-name",

@@ -25,6 +25,7 @@ class FrameLoopTest {
     private static final class ManualClock implements FrameClock {
         private long now = 123_456_789;
         private long divisor = 1;
+        private Runnable onPark = () -> { };
 
         @Override
         public long nanoTime() {
@@ -34,6 +35,7 @@ class FrameLoopTest {
         @Override
         public void park(long nanoseconds) {
             now += Math.max(1, nanoseconds / divisor);
+            onPark.run();
         }
     }
 
@@ -212,5 +214,30 @@ class FrameLoopTest {
         runner.start();
         runner.join();
         assertThat(found).containsExactly(true);
+    }
+
+    @Test
+    void aPausedLoopMakesExactlyTheFramesItIsToldToAndTimeGoesOnWithoutAJump() {
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        noteStarts();
+        var script = new ArrayList<Runnable>(List.of(
+                () -> assertThat(loop.resume(2)).isEqualTo(5),
+                () -> assertThat(loop.resume(1)).isEqualTo(6),
+                loop::resume));
+        bus.subscribe(FramePhase.PUBLISH, "operator", event -> {
+            if (event.frame() == 3) {
+                assertThat(loop.pause()).isEqualTo(3);
+            }
+        });
+        clock.onPark = () -> {
+            if (loop.isPaused() && !script.isEmpty()) {
+                script.removeFirst().run();
+            }
+        };
+        loop.run(10);
+        assertThat(loop.frame()).isEqualTo(10);
+        assertThat(script).isEmpty();
+        assertThat(loop.profile().overruns()).isZero();
+        assertThat(starts.get(9) - starts.get(7)).isEqualTo(20 * MILLISECOND);
     }
 }

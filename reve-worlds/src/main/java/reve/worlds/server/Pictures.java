@@ -35,6 +35,7 @@ public final class Pictures implements AutoCloseable {
     private final ExecutorService artist = Executors.newSingleThreadExecutor(
             Thread.ofPlatform().daemon().name("pictures").factory());
     private int next;
+    private boolean wanted;
 
     /**
      * @param folder where the pictures go, named by world and frame
@@ -47,9 +48,12 @@ public final class Pictures implements AutoCloseable {
 
     /** Begins to follow a simulation; once, before its loop runs. */
     void subscribeTo(Simulation simulation, ServerEvents events) {
-        if (frames.length > 0) {
-            simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
-        }
+        simulation.onPublish("pictures", frame -> onFrame(frame, simulation, events));
+    }
+
+    /** Takes a picture of the frame that is being made. World's thread, before PUBLISH. */
+    void takeNext() {
+        wanted = true;
     }
 
     /** What a simulation's pictures show, from its camera if it has one. */
@@ -58,10 +62,12 @@ public final class Pictures implements AutoCloseable {
     }
 
     private void onFrame(FrameEvent frame, Simulation simulation, ServerEvents events) {
-        if (next == frames.length || frame.frame() < frames[next]) {
+        boolean listed = next < frames.length && frame.frame() >= frames[next];
+        if (!listed && !wanted) {
             return;
         }
-        next++;
+        next += listed ? 1 : 0;
+        wanted = false;
         Path file = folder.resolve(String.format(Locale.ROOT, "%s-%06d.png",
                 simulation.world().name(), frame.frame()));
         Map<String, Object> fields = new LinkedHashMap<>();

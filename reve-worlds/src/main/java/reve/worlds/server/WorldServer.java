@@ -49,7 +49,8 @@ public final class WorldServer implements AutoCloseable {
             simulation.onPublish("server events", this::tellEvents);
             agents = closing.add(AgentServer.start(config, new WorldPort(description.name(),
                     description.timing().framesPerSecond(), description.agents(), simulation.bus(),
-                    simulation.commands(), simulation.snapshots())));
+                    simulation.commands(), simulation.snapshots(), simulation.loop(),
+                    new ServerControl(simulation, pictures))));
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;

@@ -1,0 +1,134 @@
+package reve.core.agent;
+
+import java.util.Optional;
+import java.util.concurrent.atomic.AtomicLong;
+import java.util.function.Consumer;
+import reve.core.frame.Command;
+import reve.core.frame.FrameEvent;
+import reve.core.world.ActionRefused;
+import reve.core.world.World;
+
+/** Has commands done, each where it belongs: the world's queue, its frame loop, or the program. Any thread. */
+final class ControlDesk {
+
+    private final WorldPort port;
+    private final Publisher publisher;
+    private final Members members;
+    private final RateLimitedLog log;
+    private final AtomicLong sequence = new AtomicLong();
+
+    ControlDesk(WorldPort port, Publisher publisher, RateLimitedLog log) {
+        this.port = port;
+        this.publisher = publisher;
+        this.members = new Members(port.agents());
+        this.log = log;
+    }
+
+    /** The command that does this to the world. */
+    AgentCommand command(AgentInput input, Consumer<Outcome> answer) {
+        return new AgentCommand(publisher, members, sequence.incrementAndGet(), input, answer);
+    }
+
+    /** Has a command done and its result sent. */
+    void submit(Session session, ClientMessage.Request request) {
+        switch (request) {
+            case ClientMessage.Act act -> offer(session, act, command(new AgentInput.Act(session.name(), act.item(),
+                    act.action(), act.arguments()), outcome -> answer(session, act, outcome)));
+            case ClientMessage.Edit edit -> offer(session, edit, command(new AgentInput.Edit(session.name(),
+                    edit.item(), edit.property(), edit.value()), outcome -> answer(session, edit, outcome)));
+            case ClientMessage.Pause pause -> accept(session, pause, port.loop().pause());
+            case ClientMessage.Run run -> {
+                port.loop().resume();
+                accept(session, run, port.loop().frame());
+            }
+            case ClientMessage.Step step -> accept(session, step, port.loop().resume(step.frames()));
+            case ClientMessage.ShutDown shutDown -> {
+                accept(session, shutDown, port.loop().frame());
+                port.loop().stop();
+            }
+            case ClientMessage.LoadLaw load -> change(session, load,
+                    () -> port.control().loadLaw(load.library(), load.parameters()));
+            case ClientMessage.UnloadLaw unload -> change(session, unload,
+                    () -> port.control().unloadLaw(unload.library()));
+            case ClientMessage.Picture picture -> change(session, picture, () -> port.control().picture());
+        }
+    }
+
+    private static void accept(Session session, ClientMessage.Request request, long frame) {
+        session.finish(request, new ServerMessage.Accepted(request.id(), frame), 0);
+    }
+
+    private boolean offer(Session session, ClientMessage.Request request, Command command) {
+        boolean taken = port.commands().offer(command);
+        if (!taken) {
+            session.refuse(request, "world-busy", "the world has more to do than fits into a frame");
+        }
+        return taken;
+    }
+
+    // ---- changes of the program's own ----
+
+    private interface Preparation {
+        WorldControl.Change prepare() throws ActionRefused;
+    }
+
+    private void change(Session session, ClientMessage.Request request, Preparation preparation) {
+        try {
+            WorldControl.Change change = preparation.prepare();
+            var command = new ChangeCommand(session.name(), sequence.incrementAndGet(), change,
+                    outcome -> publisher.later(() -> answer(session, request, outcome)));
+            if (!offer(session, request, command)) {
+                change.drop();
+            }
+        } catch (ActionRefused e) {
+            answer(session, request, refused(e, 0));
+        } catch (RuntimeException e) {
+            answer(session, request, new Outcome.Failed(0, e));
+        }
+    }
+
+    private static Outcome refused(ActionRefused e, long frame) {
+        return new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
+    }
+
+    /** A prepared change on its way through the world's queue. */
+    private record ChangeCommand(String origin, long sequence, WorldControl.Change change, Consumer<Outcome> done)
+            implements Command {
+
+        @Override
+        public void execute(World world, FrameEvent event) {
+            try {
+                change.make(world, event.frame());
+                done.accept(new Outcome.Done(event.frame()));
+            } catch (ActionRefused e) {
+                done.accept(refused(e, event.frame()));
+            } catch (RuntimeException e) {
+                done.accept(new Outcome.Failed(event.frame(), e));
+            }
+        }
+    }
+
+    // ---- answers ----
+
+    private void answer(Session session, ClientMessage.Request request, Outcome outcome) {
+        switch (outcome) {
+            case Outcome.Done done ->
+                    session.finish(request, new ServerMessage.Accepted(request.id(), done.frame()), done.frame());
+            case Outcome.Refused no -> session.finish(request,
+                    new ServerMessage.Refused(request.id(), no.code(), no.reason()), no.frame());
+            case Outcome.Failed failed -> {
+                String what = describe(request);
+                log.error(what + " failed", failed.cause());
+                session.finish(request, new ServerMessage.Refused(request.id(), "action-failed",
+                        what + " failed; the server's log says why"), failed.frame());
+            }
+            case Outcome.Joined joined -> { }
+            case Outcome.Absent absent -> { }
+        }
+    }
+
+    private static String describe(ClientMessage.Request request) {
+        return request instanceof ClientMessage.Act act ? "the action " + Text.quote(act.action()) + " of item "
+                + Text.quote(act.item()) : request.type();
+    }
+}

@@ -1,0 +1,69 @@
+package reve.core.agent;
+
+import java.util.List;
+import reve.core.world.ActionRefused;
+import reve.core.world.Colour;
+import reve.core.world.Item;
+import reve.core.world.World;
+
+/** Sets one property of an item by its name, for operators. World's thread. */
+final class ItemEdit {
+
+    private ItemEdit() {}
+
+    /** @throws ActionRefused if there is no such item or property, or the value does not fit */
+    static void apply(World world, AgentInput.Edit edit) throws ActionRefused {
+        Item item = world.find(edit.item()).orElseThrow(() -> new ActionRefused("no-such-item",
+                "the world has no item " + Text.quote(edit.item())));
+        String[] path = edit.property().split("\\.", 2);
+        if (path.length < 2) {
+            throw noSuchProperty(edit.property());
+        }
+        try {
+            switch (path[0]) {
+                case "physical" -> setPhysical(item, path[1], edit.value());
+                case "physics" -> item.physics().set(path[1], numbers(edit.value()));
+                case "semantic" -> item.semantic().set(path[1], edit.value());
+                default -> throw noSuchProperty(edit.property());
+            }
+        } catch (IllegalArgumentException | IllegalStateException e) {
+            throw new ActionRefused("edit-refused", String.valueOf(e.getMessage()));
+        }
+    }
+
+    private static void setPhysical(Item item, String property, Object value) throws ActionRefused {
+        switch (property) {
+            case "location" -> {
+                double[] at = numbers(value, 3);
+                item.physical().setLocation(at[0], at[1], at[2]);
+            }
+            case "orientation" -> {
+                double[] turn = numbers(value, 4);
+                item.physical().setOrientation(turn[0], turn[1], turn[2], turn[3]);
+            }
+            case "colour" -> item.physical().setColour(Colour.parse(String.valueOf(value)));
+            default -> throw noSuchProperty("physical." + property);
+        }
+    }
+
+    private static ActionRefused noSuchProperty(String property) {
+        return new ActionRefused("no-such-property", "there is no property " + Text.quote(property)
+                + "; expected physical.location, physical.orientation, physical.colour, physics.NAME or semantic.NAME");
+    }
+
+    private static double[] numbers(Object value, int count) {
+        double[] numbers = numbers(value);
+        if (numbers.length != count) {
+            throw new IllegalArgumentException("found " + numbers.length + " numbers, expected " + count);
+        }
+        return numbers;
+    }
+
+    private static double[] numbers(Object value) {
+        return switch (value) {
+            case Double number -> new double[] {number};
+            case List<?> list -> list.stream().mapToDouble(number -> (Double) number).toArray();
+            default -> throw new IllegalArgumentException("found " + value + ", expected numbers");
+        };
+    }
+}

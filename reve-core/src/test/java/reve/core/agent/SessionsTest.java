@@ -1,0 +1,391 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.time.Duration;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import java.util.Random;
+import java.util.TreeSet;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.world.ItemDefinition;
+import tools.jackson.databind.JsonNode;
+
+/** Roles, commands that are done at most once, and connections that break and come back. */
+class SessionsTest {
+
+    private static final String WIND_UP = "{'t':'act','id':%d,'item':'duck','action':'wind-up'}";
+
+    private AgentRoom room;
+
+    @BeforeEach
+    void open() throws IOException {
+        room = new AgentRoom();
+    }
+
+    @AfterEach
+    void close() {
+        room.close();
+    }
+
+    // ---- roles ----
+
+    @Test
+    void anObserverHasNoBodyAndPerceivesEverything() throws IOException {
+        try (TestClient eye = room.connect()) {
+            eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}");
+            JsonNode welcome = eye.expect("welcome");
+            assertThat(welcome.get("role").stringValue()).isEqualTo("observer");
+            assertThat(welcome.has("body")).isFalse();
+            assertThat(room.has("eye")).isFalse();
+            eye.say("{'t':'perceive','id':1}").sync();
+            room.step();
+            assertThat(eye.expect("perception").at("/items/0/name").stringValue()).isEqualTo("duck");
+        }
+    }
+
+    @Test
+    void anObserverHearsWhatHappensFromItsWelcomeOn() throws IOException {
+        try (TestClient eye = guest("eye", "observer"); TestClient ada = room.join("ada")) {
+            assertThat(eye.expect("event").get("type").stringValue()).isEqualTo("joined");
+            ada.say("{'t':'bye'}").expectBye("goodbye");
+            room.step();
+            assertThat(eye.expect("event").get("type").stringValue()).isEqualTo("left");
+        }
+    }
+
+    @ParameterizedTest
+    @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
+        "observer | {'t':'act','id':1,'item':'duck','action':'wind-up'} | agent",
+        "observer | {'t':'pause','id':1} | control",
+        "control | {'t':'act','id':1,'item':'duck','action':'wind-up'} | agent",
+        "agent | {'t':'pause','id':1} | control",
+        "agent | {'t':'run','id':1} | control",
+        "agent | {'t':'step','id':1} | control",
+        "agent | {'t':'load-law','id':1,'library':'x'} | control",
+        "agent | {'t':'unload-law','id':1,'library':'x'} | control",
+        "agent | {'t':'edit','id':1,'item':'duck','property':'physics.mass','value':3} | control",
+        "agent | {'t':'picture','id':1} | control",
+        "agent | {'t':'shut-down','id':1} | control",
+    })
+    void aRoleMaySayOnlyWhatIsItsOwn(String role, String message, String needed) throws IOException {
+        try (TestClient client = role.equals("agent") ? room.join("ada") : guest("ada", role)) {
+            client.say(message).sync();
+            JsonNode error = client.expect("error", "not-permitted");
+            assertThat(error.get("id").longValue()).isEqualTo(1);
+            assertThat(error.get("hint").stringValue()).contains(needed);
+            room.step();
+            assertThat(room.item("duck").semantic().get("wound")).isEqualTo(Optional.empty());
+            assertThat(room.item("duck").physics().scalar("mass")).isEqualTo(2);
+        }
+    }
+
+    @Test
+    void aNameIsTakenByAnyRole() throws IOException {
+        try (TestClient eye = guest("eye", "observer"); TestClient second = room.connect()) {
+            second.say("{'t':'hello','protocol':1,'name':'eye'}").expectBye("name-taken");
+            eye.say("{'t':'bye'}").expectBye("goodbye");
+        }
+        room.join("eye").close();
+    }
+
+    // ---- control ----
+
+    @Test
+    void anEditChangesOnePropertyInTheNextFrame() throws IOException {
+        try (TestClient boss = guest("boss", "control")) {
+            boss.say("{'t':'edit','id':1,'item':'duck','property':'physics.velocity','value':[0,3,0]}")
+                    .say("{'t':'edit','id':2,'item':'duck','property':'physical.location','value':[4,5,6]}")
+                    .say("{'t':'edit','id':3,'item':'duck','property':'semantic.class','value':'bird'}")
+                    .say("{'t':'edit','id':4,'item':'duck','property':'physical.colour','value':'#ff0000'}").sync();
+            room.step();
+            for (int i = 1; i <= 4; i++) {
+                JsonNode result = boss.expect("result");
+                assertThat(result.get("accepted").booleanValue()).as("%s", result).isTrue();
+                assertThat(result.get("frame").longValue()).isEqualTo(1);
+            }
+            assertThat(room.item("duck").physics().vector("velocity")).containsExactly(0, 3, 0);
+            assertThat(room.item("duck").physical().location()).containsExactly(4, 5, 6);
+            assertThat(room.item("duck").semantic().get("class")).contains("bird");
+            assertThat(room.item("duck").physical().colour()).hasToString("#ff0000ff");
+        }
+    }
+
+    @ParameterizedTest
+    @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
+        "swan | physics.mass | 1 | no-such-item | swan",
+        "duck | mass | 1 | no-such-property | physics.NAME",
+        "duck | soul.mass | 1 | no-such-property | soul.mass",
+        "duck | physical.smell | 1 | no-such-property | physical.smell",
+        "duck | physics.smell | 1 | edit-refused | smell",
+        "duck | physics.velocity | [1,2] | edit-refused | velocity",
+        "duck | physics.mass | 'heavy' | edit-refused | heavy",
+        "duck | physical.location | [1,2] | edit-refused | expected 3",
+        "duck | physical.colour | 'red' | edit-refused | red",
+        "duck | semantic.name | 'swan' | edit-refused | name",
+    })
+    void anEditThatDoesNotFitIsRefusedWithAReason(String item, String property, String value, String code,
+            String reason) throws IOException {
+        try (TestClient boss = guest("boss", "control")) {
+            boss.say("{'t':'edit','id':1,'item':'" + item + "','property':'" + property + "','value':" + value + "}")
+                    .sync();
+            room.step();
+            assertThat(boss.expect("result", code).get("reason").stringValue()).contains(reason);
+        }
+    }
+
+    @Test
+    void aServerWithoutLawsOrPicturesSaysSo() throws IOException {
+        try (TestClient boss = guest("boss", "control")) {
+            boss.say("{'t':'load-law','id':1,'library':'drag'}").expect("result", "unsupported");
+            boss.say("{'t':'unload-law','id':2,'library':'drag'}").expect("result", "unsupported");
+            boss.say("{'t':'picture','id':3}").expect("result", "unsupported");
+        }
+    }
+
+    @Test
+    void aPausedWorldMakesExactlyTheFramesItIsToldTo() throws Exception {
+        room.loop.pause();
+        Thread runner = Thread.ofPlatform().start(room.loop::run);
+        try (TestClient boss = guest("boss", "control")) {
+            long before = boss.say("{'t':'pause','id':1}").expect("result").get("frame").longValue();
+            long after = boss.say("{'t':'step','id':2,'frames':3}").expect("result").get("frame").longValue();
+            assertThat(after).isEqualTo(before + 3);
+            boss.say("{'t':'edit','id':3,'item':'duck','property':'physics.mass','value':7}").sync();
+            long next = boss.say("{'t':'step','id':4}").expect("result").get("frame").longValue();
+            assertThat(next).isEqualTo(before + 4);
+            JsonNode edited = boss.expect("result");
+            assertThat(edited.get("id").longValue()).isEqualTo(3);
+            assertThat(edited.get("frame").longValue()).isBetween(before + 1, next);
+            boss.say("{'t':'perceive','id':5}").sync();
+            boss.say("{'t':'run','id':6}").expect("result");
+            assertThat(boss.expect("perception").get("frame").longValue()).isGreaterThan(next);
+            boss.say("{'t':'shut-down','id':7}").expect("result");
+            assertThat(runner.join(Duration.ofSeconds(20))).isTrue();
+        } finally {
+            room.loop.stop();
+            runner.join();
+            room.world.claim();
+        }
+    }
+
+    // ---- at most once ----
+
+    @Test
+    void aCommandSentTwiceIsDoneOnceAndGetsItsFirstResultAgain() throws IOException {
+        String push = "{'t':'act','id':9,'item':'duck','action':'push','arguments':{'impulse':[2,0,0]}}";
+        try (TestClient ada = room.join("ada")) {
+            ada.say(push).say(push).sync();
+            room.step();
+            JsonNode first = ada.expect("result");
+            ada.expect("event");
+            ada.say(push).sync();
+            assertThat(ada.expect("result")).isEqualTo(first);
+            room.step();
+            ada.say("{'t':'ping','id':1}").expect("pong");
+            assertThat(room.item("duck").physics().vector("velocity")).containsExactly(1, 0, 0);
+        }
+    }
+
+    @Test
+    void aRefusalIsAResultTooAndStays() throws IOException {
+        try (TestClient ada = room.join("ada")) {
+            ada.say("{'t':'act','id':1,'item':'duck','action':'sing'}").sync();
+            room.step();
+            JsonNode refusal = ada.expect("result", "no-such-action");
+            assertThat(ada.say(WIND_UP.formatted(1)).expect("result")).isEqualTo(refusal);
+        }
+    }
+
+    @Test
+    void aCommandThatWasNotTakenMayBeSentAgain() throws IOException {
+        try (AgentRoom busy = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making(), 1); TestClient ada = busy.join("ada")) {
+            ada.say(WIND_UP.formatted(1)).say(WIND_UP.formatted(2)).sync();
+            ada.expect("result", "world-busy");
+            busy.step();
+            ada.expect("result");
+            ada.expect("event");
+            ada.say(WIND_UP.formatted(2)).sync();
+            busy.step();
+            assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
+        }
+    }
+
+    @Test
+    void anIdThatMayHaveBeenForgottenIsNotTaken() {
+        var log = new CommandLog();
+        for (long id = 0; id <= CommandLog.REMEMBERED; id++) {
+            log.begin(id);
+            log.finish(id, new ServerMessage.Accepted(id, 1));
+        }
+        assertThat(log.look(0)).isInstanceOf(CommandLog.Known.Forgotten.class);
+        assertThat(log.look(1)).isEqualTo(new CommandLog.Known.Done(new ServerMessage.Accepted(1, 1)));
+        assertThat(log.look(5000)).isInstanceOf(CommandLog.Known.Fresh.class);
+    }
+
+    // ---- broken connections ----
+
+    @Test
+    void anAgentWhoseConnectionBreaksKeepsItsBodyAndGoesOn() throws IOException {
+        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
+        room.step();
+        String token = ada.expect("welcome").at("/session/token").stringValue();
+        assertThat(token).matches("[0-9a-f]{32}");
+        ada.expect("event");
+        ada.say(WIND_UP.formatted(1)).sync();
+        reset(ada);
+        room.step();
+        try (TestClient bob = room.join("bob"); TestClient again = room.connect()) {
+            assertThat(room.has("ada")).isTrue();
+            again.say(resume("ada", token, 1)).sync();
+            JsonNode welcome = again.expect("welcome");
+            assertThat(welcome.get("resumed").booleanValue()).isTrue();
+            assertThat(welcome.get("body").stringValue()).isEqualTo("ada");
+            assertThat(again.expect("event").at("/fields/action").stringValue()).isEqualTo("wind-up");
+            assertThat(again.expect("event").at("/fields/agent").stringValue()).isEqualTo("bob");
+            JsonNode result = again.say(WIND_UP.formatted(1)).expect("result");
+            assertThat(result.get("frame").longValue()).isEqualTo(2);
+            again.say("{'t':'bye'}").expectBye("goodbye");
+            room.step();
+            assertThat(bob.expect("event").get("type").stringValue()).isEqualTo("left");
+            assertThat(room.has("ada")).isFalse();
+        }
+    }
+
+    @Test
+    void anotherConnectionTakesOverFromOneThatSeemsAlive() throws IOException {
+        try (TestClient ada = room.connect(); TestClient again = room.connect()) {
+            ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
+            room.step();
+            String token = ada.expect("welcome").at("/session/token").stringValue();
+            ada.expect("event");
+            again.say(resume("ada", token, 1)).expect("welcome");
+            ada.expectBye("resumed");
+            room.step();
+            assertThat(room.has("ada")).isTrue();
+        }
+    }
+
+    @Test
+    void whoHasAnotherTokenOrNoGraceCannotTakeOver() throws IOException {
+        try (TestClient ada = room.join("ada"); TestClient eve = room.connect(); TestClient eva = room.connect()) {
+            eve.say(resume("ada", "00112233445566778899aabbccddeeff", 1)).expectBye("no-such-session");
+            eva.say(resume("ada", "", 1).replace("''", "'x'")).expectBye("no-such-session");
+            ada.say("{'t':'ping','id':1}").expect("pong");
+        }
+    }
+
+    @Test
+    void whoDoesNotComeBackInTimeLeaves() throws IOException {
+        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':0.05}").sync();
+        room.step();
+        String token = ada.expect("welcome").at("/session/token").stringValue();
+        reset(ada);
+        room.stepUntil("the body is gone", () -> !room.has("ada"));
+        try (TestClient late = room.connect()) {
+            late.say(resume("ada", token, 1)).expectBye("no-such-session");
+        }
+    }
+
+    @Test
+    void whoIsCutForItsOwnFaultDoesNotStay() throws IOException {
+        try (TestClient ada = room.connect()) {
+            ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
+            room.step();
+            for (int i = 0; i < AgentRoom.CONFIG.maxErrors(); i++) {
+                ada.say("nonsense");
+            }
+            ada.skipToBye("too-many-errors");
+            room.stepUntil("the body is gone", () -> !room.has("ada"));
+        }
+    }
+
+    @Test
+    void whoMissedMoreThanIsRememberedIsToldSo() {
+        var log = new EventLog(2, 1000);
+        for (int frame = 1; frame <= 3; frame++) {
+            log.add(frame, new byte[] {(byte) frame});
+        }
+        assertThat(log.after(0)).isEmpty();
+        assertThat(log.after(1).orElseThrow()).containsExactly(new byte[] {2}, new byte[] {3});
+        log.add(4, new byte[1000]);
+        assertThat(log.after(2)).isEmpty();
+        assertThat(log.after(3).orElseThrow()).hasSize(1);
+    }
+
+    /** D9: whatever breaks when, no command is done twice, and one whose result came was done. */
+    @Test
+    void randomCutsNeverDoACommandTwice() throws IOException {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("seed of cuts: -Dreve.test.seed=" + seed);
+        var random = new Random(seed);
+        room.world.add(ItemDefinition.named("bell").action(new DeclaredAction("ring", "Once.", List.of(),
+                List.of(new Effect.Raise("rang", "ring")))).build());
+        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
+        room.step();
+        String token = ada.expect("welcome").at("/session/token").stringValue();
+        ada.expect("event");
+        long frameSeen = 1;
+        int commands = 60;
+        var open = new TreeSet<Integer>();
+        var rings = new ArrayList<Long>();
+        for (int id = 0; id < commands || !open.isEmpty(); id++) {
+            if (id < commands) {
+                open.add(id);
+            }
+            for (int command : open) {
+                ada.say("{'t':'act','id':" + command + ",'item':'bell','action':'ring'}");
+            }
+            if (random.nextBoolean()) {
+                ada.sync();
+            }
+            room.step();
+            if (id < commands && random.nextInt(3) == 0) {
+                reset(ada);
+                ada = room.connect().say(resume("ada", token, frameSeen));
+                ada.expect("welcome");
+            } else {
+                ada.say("{'t':'perceive'}").sync();
+                room.step();
+                JsonNode message = ada.next();
+                for (; !message.get("t").stringValue().equals("perception"); message = ada.next()) {
+                    if (message.get("t").stringValue().equals("result")) {
+                        open.remove(message.get("id").intValue());
+                    } else if (message.get("type").stringValue().equals("rang")) {
+                        rings.add(message.get("frame").longValue());
+                    }
+                }
+                frameSeen = message.get("frame").longValue();
+            }
+        }
+        assertThat(rings).as("seed %d", seed).hasSize(commands);
+        ada.close();
+    }
+
+    // ---- helpers ----
+
+    private TestClient guest(String name, String role) throws IOException {
+        TestClient client = room.connect();
+        client.say("{'t':'hello','protocol':1,'name':'" + name + "','role':'" + role + "'}").expect("welcome");
+        return client;
+    }
+
+    private static String resume(String name, String token, long frame) {
+        return "{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'" + token + "','frame':" + frame
+                + "}}";
+    }
+
+    /** As when a machine crashes. */
+    private static void reset(TestClient client) throws IOException {
+        client.socket.setSoLinger(true, 0);
+        client.close();
+    }
+}
