@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import reve.core.mesh.Assets;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
@@ -32,11 +33,12 @@ final class ItemReader {
     /** One mention of another item, to be resolved when all items are known. */
     private record Reference(Node target, String property, String kind) {}
 
-    ItemReader(WorldPrototype prototype, PhysicsReader physics, Problems problems) {
+    ItemReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
+            Problems problems) {
         this.prototype = prototype;
         this.problems = problems;
         this.physics = physics;
-        this.physical = new PhysicalReader(prototype, physics, problems);
+        this.physical = new PhysicalReader(prototype, physics, assets, problems);
         this.actions = new ActionReader(physics, problems);
     }
 

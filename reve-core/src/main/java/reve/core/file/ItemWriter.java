@@ -11,10 +11,12 @@ import reve.core.world.Action;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemSymbols;
+import reve.core.world.Material;
 import reve.core.world.Mesh;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
+import reve.core.world.Texture;
 import reve.core.world.WorldPrototype;
 
 /**
@@ -33,17 +35,20 @@ public final class ItemWriter {
     /**
      * All four aspects.
      *
-     * @throws IllegalArgumentException naming item and action if it has an action that no world
-     *     file can declare
+     * @throws IllegalArgumentException naming the item if it has what no world file can hold: an
+     *     action made by a program, a mesh or a texture that came from none
      */
     public String write(ItemDefinition item) {
         return YamlWriter.write(tree(item));
     }
 
-    /** Only what is symbolic: name, kind, shape, symbols and actions; throws as above. */
+    /** Only what is symbolic: name, kind, shape, material, symbols and actions; throws as above. */
     public String write(ItemSymbols item) {
         Map<String, Object> tree = named(item.name(), item.kind());
-        putIfAny(tree, "physical", shape(item.shape()));
+        Map<String, Object> physical = shape(item.name(), item.shape());
+        item.material().ifPresent(material -> physical.put("material",
+                material(item.name(), material)));
+        putIfAny(tree, "physical", physical);
         putIfAny(tree, "semantic", symbols(item.given()));
         putIfAny(tree, "access", actions(item.name(), item.actions()));
         return YamlWriter.write(tree);
@@ -85,10 +90,11 @@ public final class ItemWriter {
     }
 
     private Map<String, Object> physical(ItemDefinition item) {
-        Map<String, Object> aspect = shape(item.shape());
-        if (!item.colour().equals(Colour.DEFAULT)) {
-            String colour = item.colour().toString();
-            aspect.put("colour", colour.endsWith("ff") ? colour.substring(0, 7) : colour);
+        Map<String, Object> aspect = shape(item.name(), item.shape());
+        item.material().ifPresent(material -> aspect.put("material",
+                material(item.name(), material)));
+        if (!item.colour().equals(Colour.defaultOf(item.shape(), item.material()))) {
+            aspect.put("colour", hex(item.colour()));
         }
         if (!isZero(item.location())) {
             aspect.put("location", numbers(prototype.realType(), item.location()));
@@ -100,7 +106,12 @@ public final class ItemWriter {
         return aspect;
     }
 
-    private static Map<String, Object> shape(Shape shape) {
+    private static String hex(Colour colour) {
+        String text = colour.toString();
+        return text.endsWith("ff") ? text.substring(0, 7) : text;
+    }
+
+    private static Map<String, Object> shape(String item, Shape shape) {
         Map<String, Object> tree = new LinkedHashMap<>();
         switch (shape) {
             case Shape.None none -> { }
@@ -118,10 +129,33 @@ public final class ItemWriter {
             }
             case Mesh mesh -> {
                 tree.put("shape", "mesh");
-                tree.put("vertices", vertices(mesh.vertices()));
-                tree.put("triangles", triangles(mesh.triangles()));
+                if (mesh.file().isPresent()) {
+                    tree.put("file", mesh.file().get());
+                } else if (mesh.normals().isPresent() || mesh.textureCoordinates().isPresent()
+                        || mesh.colours().isPresent() || !mesh.parts().isEmpty()) {
+                    throw new IllegalArgumentException("item " + item
+                            + " has a mesh of more than triangles that is in no file");
+                } else {
+                    tree.put("vertices", vertices(mesh.vertices()));
+                    tree.put("triangles", triangles(mesh.triangles()));
+                }
             }
         }
+        return tree;
+    }
+
+    private static Map<String, Object> material(String item, Material material) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        if (material.texture().isPresent() && material.texture().get().file().isEmpty()) {
+            throw new IllegalArgumentException(
+                    "item " + item + " has a texture that is in no file of its own");
+        }
+        if (!material.colour().equals(Colour.WHITE)) {
+            tree.put("colour", hex(material.colour()));
+        }
+        tree.put("roughness", YamlWriter.Numeral.of(material.roughness()));
+        tree.put("metallic", YamlWriter.Numeral.of(material.metallic()));
+        material.texture().flatMap(Texture::file).ifPresent(file -> tree.put("texture", file));
         return tree;
     }
 

@@ -5,12 +5,17 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import reve.core.mesh.AssetException;
+import reve.core.mesh.Assets;
 import reve.core.unit.Unit;
+import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Material;
 import reve.core.world.Shape;
+import reve.core.world.Texture;
 import reve.core.world.WorldPrototype;
 
-/** Reads physical aspects: shape, colour, location and orientation. */
+/** Reads physical aspects: shape, material, colour, location and orientation. */
 final class PhysicalReader {
     private static final Unit METRE = Unit.parse("m");
     private static final Map<String, Set<String>> KEYS_BY_SHAPE = Map.of(
@@ -19,16 +24,19 @@ final class PhysicalReader {
             "plane", Set.of("size"),
             "mesh", new LinkedHashSet<>(List.of("vertices", "triangles")));
     private static final List<String> SHAPE_KEYS =
-            List.of("radius", "size", "vertices", "triangles");
+            List.of("radius", "size", "vertices", "triangles", "file");
 
     private final WorldPrototype prototype;
     private final PhysicsReader physics;
+    private final Assets assets;
     private final Problems problems;
     private final Quantities quantities;
 
-    PhysicalReader(WorldPrototype prototype, PhysicsReader physics, Problems problems) {
+    PhysicalReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
+            Problems problems) {
         this.prototype = prototype;
         this.physics = physics;
+        this.assets = assets;
         this.problems = problems;
         this.quantities = new Quantities(problems);
     }
@@ -41,6 +49,7 @@ final class PhysicalReader {
                 .ifPresent(at -> item.at(at[0], at[1], at[2])));
         aspect.get("orientation").ifPresent(node -> orientation(node, item));
         shape(aspect, item);
+        aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
     }
 
     private void orientation(Node node, ItemDefinition.Builder item) {
@@ -72,7 +81,9 @@ final class PhysicalReader {
     private void shape(Node aspect, ItemDefinition.Builder item) {
         Optional<Node> node = aspect.get("shape");
         String name = node.flatMap(Node::text).orElse("");
-        Set<String> wanted = KEYS_BY_SHAPE.getOrDefault(name, Set.of());
+        boolean fromFile = name.equals("mesh") && aspect.get("file").isPresent();
+        Set<String> wanted = fromFile ? Set.of("file")
+                : KEYS_BY_SHAPE.getOrDefault(name, Set.of());
         if (node.isPresent() && wanted.isEmpty()) {
             return; // an unknown shape, which the schema reported
         }
@@ -85,7 +96,8 @@ final class PhysicalReader {
                         : "`" + key + "` does not go with shape " + name + ", which takes `"
                                 + String.join("` and `", wanted) + "`");
             } else if (value.isEmpty() && wanted.contains(key)) {
-                problems.add(node.orElseThrow(), "shape " + name + " needs `" + key + "`");
+                problems.add(node.orElseThrow(), "shape " + name + " needs `" + key + "`"
+                        + (name.equals("mesh") ? " (or a `file`)" : ""));
                 complete = false;
             }
         }
@@ -102,9 +114,43 @@ final class PhysicalReader {
                     .map(size -> Shape.box(size[0], size[1], size[2]));
             case "plane" -> aspect.get("size").flatMap(node -> quantities.numbers(node, 2, METRE))
                     .map(size -> Shape.plane(size[0], size[1]));
-            default -> mesh(aspect.get("vertices").orElseThrow(),
-                    aspect.get("triangles").orElseThrow());
+            default -> aspect.get("file").isPresent() ? file(aspect.get("file").get())
+                    : mesh(aspect.get("vertices").orElseThrow(),
+                            aspect.get("triangles").orElseThrow());
         };
+    }
+
+    private Optional<Shape> file(Node node) {
+        return node.text().flatMap(path -> load(node, () -> assets.mesh(path)));
+    }
+
+    private void material(Node node, ItemDefinition.Builder item) {
+        double roughness = fraction(node, "roughness", Material.DEFAULT.roughness());
+        double metallic = fraction(node, "metallic", Material.DEFAULT.metallic());
+        Optional<Texture> texture = node.get("texture").flatMap(path -> path.text()
+                .flatMap(text -> load(path, () -> assets.texture(text))));
+        Colour colour = node.get("colour").flatMap(Node::text).filter(text -> text.startsWith("#"))
+                .map(Colour::parse).orElse(Colour.WHITE);
+        attempt(node, () -> item.material(
+                new Material(colour, roughness, metallic, texture)));
+    }
+
+    private double fraction(Node material, String key, double otherwise) {
+        return material.get(key).flatMap(node -> quantities.number(node, Unit.ONE))
+                .orElse(otherwise);
+    }
+
+    private interface Loading<T> {
+        T load() throws AssetException;
+    }
+
+    private <T> Optional<T> load(Node node, Loading<T> loading) {
+        try {
+            return Optional.of(loading.load());
+        } catch (AssetException refused) {
+            problems.add(node, node.label() + ": " + refused.getMessage());
+            return Optional.empty();
+        }
     }
 
     private Optional<Shape> mesh(Node vertices, Node triangles) {

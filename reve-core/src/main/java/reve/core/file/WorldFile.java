@@ -4,6 +4,8 @@ import java.io.IOException;
 import java.nio.file.Path;
 import java.util.Optional;
 import java.util.Set;
+import reve.core.mesh.AssetFolder;
+import reve.core.mesh.Assets;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
 
@@ -25,18 +27,27 @@ public final class WorldFile {
      */
     public static WorldDescription load(Path path) throws WorldFileException, IOException {
         var problems = new Problems(path.toString());
-        return new WorldReader(problems).read(WorldSource.read(path, problems));
+        var folder = new AssetFolder(path.toAbsolutePath().getParent());
+        return new WorldReader(new Assets(Optional.of(folder)), problems)
+                .read(WorldSource.read(path, problems));
     }
 
     /**
-     * Reads and checks the bytes of a file, which cannot include others.
+     * Reads and checks the bytes of a file, which has no folder to find others in.
      *
      * @param name what problems call the file
      * @throws WorldFileException as {@link #load}
      */
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
         var problems = new Problems(name);
-        return new WorldReader(problems).read(WorldSource.parse(content, problems));
+        return new WorldReader(new Assets(Optional.empty()), problems)
+                .read(WorldSource.parse(content, problems));
+    }
+
+    /** As the other one, of an item that needs no files. */
+    public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
+            throws WorldFileException {
+        return parseItem(name, text, prototype, new Assets(Optional.empty()));
     }
 
     /**
@@ -45,15 +56,17 @@ public final class WorldFile {
      *
      * @param name what problems call the text
      * @param prototype of the world that the item is for
+     * @param assets where its mesh and texture come from
      * @throws WorldFileException as {@link #load}
      */
-    public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
-            throws WorldFileException {
+    public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype,
+            Assets assets) throws WorldFileException {
         var problems = new Problems(name);
         Node item = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
         SchemaCheck.checkItem(item, problems);
         var physics = new PhysicsReader(prototype, Set.of(), problems);
-        Optional<ItemDefinition> read = new ItemReader(prototype, physics, problems).readAlone(item);
+        Optional<ItemDefinition> read = new ItemReader(prototype, physics, assets, problems)
+                .readAlone(item);
         problems.throwIfAny();
         return read.orElseThrow();
     }

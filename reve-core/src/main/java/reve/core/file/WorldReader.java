@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import reve.core.frame.Timing;
+import reve.core.mesh.Assets;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
@@ -16,10 +17,12 @@ final class WorldReader {
     private static final Unit METRE = Unit.parse("m");
     private static final double DEFAULT_FOV_RADIANS = Math.PI / 4;
 
+    private final Assets assets;
     private final Problems problems;
     private final Quantities quantities;
 
-    WorldReader(Problems problems) {
+    WorldReader(Assets assets, Problems problems) {
+        this.assets = assets;
         this.problems = problems;
         this.quantities = new Quantities(problems);
     }
@@ -29,7 +32,7 @@ final class WorldReader {
         var prototypeReader = new PrototypeReader(problems);
         WorldPrototype prototype = prototypeReader.read(root, source.all("properties"));
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
-        var itemReader = new ItemReader(prototype, physics, problems);
+        var itemReader = new ItemReader(prototype, physics, assets, problems);
         var expanded = new Allowance(ItemReader.MAX_VALUES);
         var prefabs = new Prefabs(source.all("prefabs"), problems, expanded);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), prefabs);

@@ -1,5 +1,6 @@
 package reve.core.world;
 
+import java.util.Optional;
 import java.util.regex.Pattern;
 
 /**
@@ -12,7 +13,9 @@ public record Colour(int rgba) {
 
     private static final Pattern TEXT = Pattern.compile("#[0-9a-fA-F]{6}([0-9a-fA-F]{2})?");
 
-    /** What an item has that names no colour: light grey. */
+    public static final Colour WHITE = parse("#ffffff");
+
+    /** Light grey. */
     public static final Colour DEFAULT = parse("#cccccc");
 
     /**
@@ -27,6 +30,17 @@ public record Colour(int rgba) {
         }
         String digits = text.length() == 7 ? text.substring(1) + "ff" : text.substring(1);
         return new Colour(Integer.reverseBytes(Integer.parseUnsignedInt(digits, 16)));
+    }
+
+    /**
+     * What an item has that names no colour: {@link #DEFAULT}, or white where a texture or a mesh
+     * brings colours of its own.
+     */
+    public static Colour defaultOf(Shape shape, Optional<Material> material) {
+        boolean coloured = material.isPresent() ? material.get().texture().isPresent()
+                : shape instanceof Mesh mesh
+                        && (!mesh.parts().isEmpty() || mesh.colours().isPresent());
+        return coloured ? WHITE : DEFAULT;
     }
 
     /** {@code #rrggbbaa}, which {@link #parse} reads back. */

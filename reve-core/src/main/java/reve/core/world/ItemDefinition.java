@@ -18,6 +18,7 @@ public final class ItemDefinition {
     private final String kind;
     private final boolean placed;
     private final Shape shape;
+    private final Optional<Material> material;
     private final Colour colour;
     private final double[] location;
     private final double[] orientation;
@@ -32,7 +33,9 @@ public final class ItemDefinition {
         kind = builder.kind;
         placed = builder.placed;
         shape = builder.shape;
-        colour = builder.colour;
+        material = builder.material;
+        colour = builder.colour != null ? builder.colour
+                : Colour.defaultOf(shape, material);
         location = builder.location;
         orientation = builder.orientation;
         parent = Optional.ofNullable(builder.parent);
@@ -56,6 +59,7 @@ public final class ItemDefinition {
         if (!item.physical().isEmpty()) {
             now.placed = true;
             now.shape = item.physical().shape();
+            now.material = item.physical().material();
             now.colour = item.physical().colour();
             now.location = item.physical().location();
             now.orientation = item.physical().orientation();
@@ -89,6 +93,7 @@ public final class ItemDefinition {
         copy.kind = kind;
         copy.placed = placed;
         copy.shape = shape;
+        copy.material = material;
         copy.colour = colour;
         copy.location = location;
         copy.orientation = orientation;
@@ -112,8 +117,14 @@ public final class ItemDefinition {
         return shape;
     }
 
+    /** As given, else {@link Colour#defaultOf}. */
     public Colour colour() {
         return colour;
+    }
+
+    /** Material of the whole shape; without it, a mesh shows its own. */
+    public Optional<Material> material() {
+        return material;
     }
 
     /** Place of the origin (3) [m]: in the world frame, or in the parent's if there is one. */
@@ -160,7 +171,7 @@ public final class ItemDefinition {
         return Collections.unmodifiableMap(references);
     }
 
-    /** True if shape, colour, place or orientation were given. */
+    /** True if shape, material, colour, place or orientation were given. */
     boolean isPlaced() {
         return placed;
     }
@@ -172,7 +183,8 @@ public final class ItemDefinition {
         private String kind = WorldPrototype.BODY;
         private boolean placed;
         private Shape shape = Shape.none();
-        private Colour colour = Colour.DEFAULT;
+        private Optional<Material> material = Optional.empty();
+        private @Nullable Colour colour;
         private double[] location = {0, 0, 0};
         private double[] orientation = {0, 0, 0, 1};
         private @Nullable String parent;
@@ -197,6 +209,13 @@ public final class ItemDefinition {
         public Builder shape(Shape newShape) {
             placed = true;
             shape = newShape;
+            return this;
+        }
+
+        /** Of the whole shape, instead of materials that come with a mesh. */
+        public Builder material(Material newMaterial) {
+            placed = true;
+            material = Optional.of(newMaterial);
             return this;
         }
 

@@ -12,12 +12,14 @@ import org.pcollections.TreePMap;
 /**
  * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.
  *
+ * @param material of the whole shape; without it, a mesh shows its own
  * @param given the designer's symbols by name, in alphabetical order: String, Double or Boolean
  * @param actions the access aspect
  * @param attachment what the item moves with, null for nothing
  */
 public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
-        PMap<String, Object> given, List<Action> actions, @Nullable Attachment attachment) {
+        Optional<Material> material, PMap<String, Object> given, List<Action> actions,
+        @Nullable Attachment attachment) {
 
     static final String NAME = "name";
     static final String CLASS = "class";
@@ -28,7 +30,7 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
 
     ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition.name(), definition.kind(), definition.shape(),
-                given(definition.symbols()), definition.actions(), null);
+                definition.material(), given(definition.symbols()), definition.actions(), null);
     }
 
     /** A designer's symbol, or a standard one: see {@link #symbols()}. */
@@ -67,23 +69,27 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     }
 
     ItemSymbols renamed(String newName) {
-        return new ItemSymbols(id, newName, kind, shape, given, actions, attachment);
+        return new ItemSymbols(id, newName, kind, shape, material, given, actions, attachment);
     }
 
     ItemSymbols with(Shape newShape) {
-        return new ItemSymbols(id, name, kind, newShape, given, actions, attachment);
+        return new ItemSymbols(id, name, kind, newShape, material, given, actions, attachment);
     }
 
     ItemSymbols with(List<Action> newActions) {
-        return new ItemSymbols(id, name, kind, shape, given, newActions, attachment);
+        return new ItemSymbols(id, name, kind, shape, material, given, newActions, attachment);
     }
 
     ItemSymbols attached(@Nullable Attachment newAttachment) {
-        return new ItemSymbols(id, name, kind, shape, given, actions, newAttachment);
+        return new ItemSymbols(id, name, kind, shape, material, given, actions, newAttachment);
+    }
+
+    ItemSymbols with(Optional<Material> newMaterial) {
+        return new ItemSymbols(id, name, kind, shape, newMaterial, given, actions, attachment);
     }
 
     private ItemSymbols with(PMap<String, Object> newGiven) {
-        return new ItemSymbols(id, name, kind, shape, newGiven, actions, attachment);
+        return new ItemSymbols(id, name, kind, shape, material, newGiven, actions, attachment);
     }
 
     private List<Double> dimensions() {

@@ -2,45 +2,83 @@ package reve.core.world;
 
 import java.nio.FloatBuffer;
 import java.nio.IntBuffer;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
 
-/** Triangles in metres around a body's origin, counter-clockwise seen from outside. */
+/**
+ * Triangles in metres around a body's origin, counter-clockwise seen from outside. Immutable; items
+ * that look alike share one.
+ */
 public final class Mesh implements Shape {
+
+    /** Most vertices of one mesh, and most triangles. */
+    public static final int MAX_COUNT = 1 << 20;
 
     private final float[] vertices;
     private final int[] triangles;
-    private final float[] low = {
-        Float.POSITIVE_INFINITY, Float.POSITIVE_INFINITY, Float.POSITIVE_INFINITY
-    };
-    private final float[] high = {
-        Float.NEGATIVE_INFINITY, Float.NEGATIVE_INFINITY, Float.NEGATIVE_INFINITY
-    };
+    private final float @Nullable [] normals;
+    private final float @Nullable [] textureCoordinates;
+    private final int @Nullable [] colours;
+    private final List<Part> parts;
+    private final Optional<String> file;
+    private final float[] low = filled(Float.POSITIVE_INFINITY);
+    private final float[] high = filled(Float.NEGATIVE_INFINITY);
 
     /**
+     * Triangles of one material.
+     *
+     * @param firstTriangle number of its first triangle
+     * @param triangleCount how many, at least 1
+     */
+    public record Part(int firstTriangle, int triangleCount, Material material) {}
+
+    /**
+     * A mesh of flat triangles in the item's material.
+     *
      * @param vertices (count x 3) coordinates [m]; copied
      * @param triangles (count x 3) indices of vertices; copied
      * @throws IllegalArgumentException if a number is missing, not finite or out of range
      */
     public Mesh(float[] vertices, int[] triangles) {
-        this.vertices = vertices.clone();
-        this.triangles = triangles.clone();
+        this(new Builder(vertices, triangles));
+    }
+
+    private Mesh(Builder builder) {
+        vertices = builder.vertices.clone();
+        triangles = builder.triangles.clone();
         requireTriples("coordinates", vertices.length);
         requireTriples("indices", triangles.length);
         for (int i = 0; i < vertices.length; i++) {
-            float value = this.vertices[i];
-            if (!Float.isFinite(value)) {
-                throw new IllegalArgumentException("mesh vertex " + i / 3 + " has coordinate "
-                        + value + ", expected a finite number");
-            }
-            low[i % 3] = Math.min(low[i % 3], value);
-            high[i % 3] = Math.max(high[i % 3], value);
+            requireFinite("vertex " + i / 3 + " has coordinate", vertices[i]);
+            low[i % 3] = Math.min(low[i % 3], vertices[i]);
+            high[i % 3] = Math.max(high[i % 3], vertices[i]);
         }
-        int vertexCount = vertices.length / 3;
+        int count = vertices.length / 3;
         for (int i = 0; i < triangles.length; i++) {
-            if (this.triangles[i] < 0 || this.triangles[i] >= vertexCount) {
+            if (triangles[i] < 0 || triangles[i] >= count) {
                 throw new IllegalArgumentException("mesh triangle " + i / 3 + " refers to vertex "
-                        + this.triangles[i] + ", expected 0 to " + (vertexCount - 1));
+                        + triangles[i] + ", expected 0 to " + (count - 1));
             }
         }
+        normals = perVertex("normals", builder.normals, 3 * count);
+        textureCoordinates = perVertex("texture coordinates", builder.textureCoordinates,
+                2 * count);
+        colours = builder.colours == null ? null : builder.colours.clone();
+        if (colours != null && colours.length != count) {
+            throw new IllegalArgumentException("mesh has " + colours.length
+                    + " colours, expected one for each of " + count + " vertices");
+        }
+        parts = List.copyOf(builder.parts);
+        requireParts(parts, triangles.length / 3);
+        file = builder.file;
+    }
+
+    /** Begins a mesh of more than triangles; the arrays as in {@link #Mesh(float[], int[])}. */
+    public static Builder builder(float[] vertices, int[] triangles) {
+        return new Builder(vertices, triangles);
     }
 
     /** (count x 3) coordinates [m], read only. */
@@ -51,6 +89,34 @@ public final class Mesh implements Shape {
     /** (count x 3) indices of vertices, read only. */
     public IntBuffer triangles() {
         return IntBuffer.wrap(triangles).asReadOnlyBuffer();
+    }
+
+    /**
+     * (count x 3) directions away from the surface at each vertex, read only; triangles whose
+     * corners have 0 0 0 are flat, and all are where there are no normals.
+     */
+    public Optional<FloatBuffer> normals() {
+        return readOnly(normals);
+    }
+
+    /** (count x 2) places in the texture, 0 0 at its upper left and 1 1 at its lower right. */
+    public Optional<FloatBuffer> textureCoordinates() {
+        return readOnly(textureCoordinates);
+    }
+
+    /** (count) colours of the vertices as {@link Colour#rgba()}, which multiply the material's. */
+    public Optional<IntBuffer> colours() {
+        return Optional.ofNullable(colours).map(all -> IntBuffer.wrap(all).asReadOnlyBuffer());
+    }
+
+    /** The triangles by material, in order and without gaps; empty where all wear the item's. */
+    public List<Part> parts() {
+        return parts;
+    }
+
+    /** The file it came from, relative to the world's folder. */
+    public Optional<String> file() {
+        return file;
     }
 
     /** Lowest coordinate along an own axis (0, 1, 2) [m]. */
@@ -73,10 +139,112 @@ public final class Mesh implements Shape {
         return (double) high[axis] - low[axis];
     }
 
+    private static float[] filled(float value) {
+        float[] three = new float[3];
+        Arrays.fill(three, value);
+        return three;
+    }
+
     private static void requireTriples(String what, int count) {
-        if (count == 0 || count % 3 != 0) {
+        if (count == 0 || count % 3 != 0 || count / 3 > MAX_COUNT) {
+            throw new IllegalArgumentException("mesh has " + count + " " + what
+                    + ", expected a multiple of 3, from 3 to " + 3 * MAX_COUNT);
+        }
+    }
+
+    private static void requireFinite(String what, float value) {
+        if (!Float.isFinite(value)) {
             throw new IllegalArgumentException(
-                    "mesh has " + count + " " + what + ", expected a multiple of 3, at least 3");
+                    "mesh " + what + " " + value + ", expected a finite number");
+        }
+    }
+
+    private static float @Nullable [] perVertex(String what, float @Nullable [] values,
+            int expected) {
+        if (values == null) {
+            return null;
+        }
+        if (values.length != expected) {
+            throw new IllegalArgumentException("mesh has " + values.length + " numbers for "
+                    + what + ", expected " + expected);
+        }
+        for (float value : values) {
+            requireFinite("has among its " + what, value);
+        }
+        return values.clone();
+    }
+
+    private static void requireParts(List<Part> parts, int triangleCount) {
+        int next = 0;
+        for (Part part : parts) {
+            if (part.firstTriangle != next || part.triangleCount < 1
+                    || part.triangleCount > triangleCount - next) {
+                throw new IllegalArgumentException("mesh part from triangle " + part.firstTriangle
+                        + " with " + part.triangleCount + " triangles, expected one from " + next
+                        + " within " + triangleCount);
+            }
+            next += part.triangleCount;
+        }
+        if (!parts.isEmpty() && next != triangleCount) {
+            throw new IllegalArgumentException("mesh parts end at triangle " + next + " of "
+                    + triangleCount);
+        }
+    }
+
+    private static Optional<FloatBuffer> readOnly(float @Nullable [] values) {
+        return Optional.ofNullable(values).map(all -> FloatBuffer.wrap(all).asReadOnlyBuffer());
+    }
+
+    /** What a mesh may have beside triangles; {@link #build} checks and copies. */
+    public static final class Builder {
+        private final float[] vertices;
+        private final int[] triangles;
+        private float @Nullable [] normals;
+        private float @Nullable [] textureCoordinates;
+        private int @Nullable [] colours;
+        private final List<Part> parts = new ArrayList<>();
+        private Optional<String> file = Optional.empty();
+
+        private Builder(float[] vertices, int[] triangles) {
+            this.vertices = vertices;
+            this.triangles = triangles;
+        }
+
+        /** As {@link Mesh#normals}. */
+        public Builder normals(float[] values) {
+            normals = values;
+            return this;
+        }
+
+        /** As {@link Mesh#textureCoordinates}. */
+        public Builder textureCoordinates(float[] values) {
+            textureCoordinates = values;
+            return this;
+        }
+
+        /** As {@link Mesh#colours}. */
+        public Builder colours(int[] rgba) {
+            colours = rgba;
+            return this;
+        }
+
+        /** The next triangles have a material of their own. */
+        public Builder part(int triangleCount, Material material) {
+            int first = parts.isEmpty() ? 0
+                    : parts.getLast().firstTriangle + parts.getLast().triangleCount;
+            parts.add(new Part(first, triangleCount, material));
+            return this;
+        }
+
+        /** As {@link Mesh#file}. */
+        public Builder file(String relativePath) {
+            file = Optional.of(relativePath);
+            return this;
+        }
+
+        /** @throws IllegalArgumentException if a number is missing, not finite or out of range */
+        public Mesh build() {
+            return new Mesh(this);
         }
     }
 }

@@ -2,6 +2,8 @@ package reve.core.world;
 
 import java.util.Arrays;
 import java.util.List;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
 
 /**
  * Where a body is and what it looks like: a view of its row. Only the kind {@code body} has one;
@@ -72,6 +74,19 @@ public final class PhysicalAspect {
         note("shape", from, shape);
     }
 
+    /** Material of the whole shape; without it, a mesh shows its own. */
+    public Optional<Material> material() {
+        requirePlace();
+        return item.symbols().material();
+    }
+
+    /** @param material empty for the one that comes with the shape */
+    public void setMaterial(Optional<Material> material) {
+        Optional<Material> from = material();
+        item.world().setSymbols(item, item.symbols().with(material));
+        note("material", from.orElse(null), material.orElse(null));
+    }
+
     public Colour colour() {
         int row = requirePlace();
         return new Colour(item.table().column("colour").getInt(row, 0));
@@ -121,7 +136,7 @@ public final class PhysicalAspect {
         world.hierarchy().touch();
     }
 
-    private void note(String property, Object from, Object to) {
+    private void note(String property, @Nullable Object from, @Nullable Object to) {
         item.world().note(
                 new WorldChange.Edited(item.id(), WorldChange.Aspect.PHYSICAL, property, from, to));
     }

@@ -45,10 +45,10 @@ public sealed interface WorldChange {
     /**
      * Part of an aspect got another value. Numbers of columns are a {@code List<Double>},
      * references a {@code List<ItemId>}, symbols text, truth or Double; what an item looks like is a
-     * {@link Shape} or {@link Colour}, and what it can do an {@link Action}.
+     * {@link Shape}, {@link Material} or {@link Colour}, and what it can do an {@link Action}.
      *
      * @param property the part: a physics property, a symbol, an action, or {@code location},
-     *     {@code orientation}, {@code shape}, {@code colour}
+     *     {@code orientation}, {@code shape}, {@code material}, {@code colour}
      * @param from null if the item had none: scenery no physics property, an item no such symbol
      * @param to null if the item has none from now on
      */

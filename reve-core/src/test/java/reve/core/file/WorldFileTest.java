@@ -4,6 +4,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.within;
 
+import java.awt.image.BufferedImage;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
@@ -11,20 +12,27 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
+import javax.imageio.ImageIO;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.core.frame.Timing;
+import reve.core.mesh.AssetFolder;
+import reve.core.mesh.Assets;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.Arguments;
+import reve.core.world.Colour;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Material;
+import reve.core.world.Mesh;
 import reve.core.world.OffHeapArena;
 import reve.core.world.Parameter;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
 import reve.core.world.World;
+import reve.core.world.WorldPrototype;
 
 /** What right world files mean. */
 class WorldFileTest {
@@ -40,6 +48,44 @@ class WorldFileTest {
     private static ItemDefinition onlyItem(String physics) throws WorldFileException {
         return parse("reve: 1\nname: w\nitems:\n  - {name: a, physics: {" + physics + "}}\n")
                 .items().getFirst();
+    }
+
+    @Test
+    void meshesAndTexturesComeFromFilesBesideTheWorld(@TempDir Path folder) throws Exception {
+        Files.createDirectory(folder.resolve("models"));
+        Files.writeString(folder.resolve("models/t.obj"), "v 0 0 0\nv 1 0 0\nv 0 2 0\nf 1 2 3\n");
+        ImageIO.write(new BufferedImage(2, 3, BufferedImage.TYPE_INT_RGB), "png",
+                folder.resolve("tile.png").toFile());
+        Path file = Files.writeString(folder.resolve("world.yaml"), """
+                reve: 1
+                name: w
+                items:
+                  - name: a
+                    physical: {shape: mesh, file: models/t.obj}
+                  - name: b
+                    physical:
+                      shape: mesh
+                      file: models/t.obj
+                      material: {texture: tile.png, roughness: 0.2, metallic: 1, colour: "#ff0000"}
+                """);
+        List<ItemDefinition> items = WorldFile.load(file).items();
+
+        assertThat(items.get(0).shape().size(1)).isEqualTo(2);
+        assertThat(items.get(1).shape()).isSameAs(items.get(0).shape());
+        assertThat(items.get(0).colour()).isEqualTo(Colour.DEFAULT);
+        assertThat(items.get(1).colour()).isEqualTo(Colour.WHITE);
+        Material material = items.get(1).material().orElseThrow();
+        assertThat(material.texture().orElseThrow().height()).isEqualTo(3);
+        assertThat(List.of(material.roughness(), material.metallic())).containsExactly(0.2, 1.0);
+        assertThat(material.colour()).isEqualTo(Colour.parse("#ff0000"));
+
+        String written = new ItemWriter(WorldPrototype.standard("si-f64")).write(items.get(1));
+        ItemDefinition again = WorldFile.parseItem("b", written,
+                WorldPrototype.standard("si-f64"),
+                new Assets(Optional.of(new AssetFolder(folder))));
+        assertThat(((Mesh) again.shape()).file()).contains("models/t.obj");
+        assertThat(again.material().orElseThrow().texture().orElseThrow().file())
+                .contains("tile.png");
     }
 
     @Test

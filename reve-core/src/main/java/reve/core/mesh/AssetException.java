@@ -1,0 +1,14 @@
+package reve.core.mesh;
+
+/** A file beside the world file cannot be used; the message, one line, names it and says why. */
+public final class AssetException extends Exception {
+    private static final long serialVersionUID = 1L;
+
+    public AssetException(String message) {
+        super(message);
+    }
+
+    public AssetException(String message, Throwable cause) {
+        super(message, cause);
+    }
+}

@@ -1,0 +1,81 @@
+package reve.core.mesh;
+
+import java.io.IOException;
+import java.io.InputStream;
+import java.nio.file.Files;
+import java.nio.file.InvalidPathException;
+import java.nio.file.LinkOption;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.Path;
+import java.util.List;
+
+/**
+ * The folder that a world file lies in, from which alone its meshes and textures come. Paths are
+ * relative to it, with {@code /} between names, and never lead out of it: not by {@code ..}, not by
+ * a link, not by a URL. Any thread.
+ */
+public final class AssetFolder {
+
+    private static final int MAX_PATH_LENGTH = 1024;
+
+    private final Path folder;
+
+    public AssetFolder(Path folder) {
+        this.folder = folder;
+    }
+
+    /**
+     * Where a file lies.
+     *
+     * @return the real path of a regular file in this folder or one below it
+     * @throws AssetException if the path is not of that kind, or there is no such file
+     */
+    public Path resolve(String path) throws AssetException {
+        requireRelative(path);
+        try {
+            Path root = folder.toRealPath();
+            Path real = root.resolve(path).toRealPath();
+            if (!real.startsWith(root)) {
+                throw new AssetException(path + ": a link that leads out of the world's folder");
+            }
+            if (!Files.isRegularFile(real, LinkOption.NOFOLLOW_LINKS)) {
+                throw new AssetException(path + ": not a regular file");
+            }
+            return real;
+        } catch (NoSuchFileException missing) {
+            throw new AssetException(path + ": there is no such file in the world's folder",
+                    missing);
+        } catch (IOException | InvalidPathException unreadable) {
+            throw new AssetException(path + ": cannot be opened: " + unreadable, unreadable);
+        }
+    }
+
+    /** @throws AssetException if there is no such file, or more than {@code maxBytes} in it */
+    byte[] read(String path, int maxBytes) throws AssetException {
+        try (InputStream in = Files.newInputStream(resolve(path), LinkOption.NOFOLLOW_LINKS)) {
+            byte[] bytes = in.readNBytes(maxBytes + 1);
+            if (bytes.length > maxBytes) {
+                throw new AssetException(path + ": larger than " + (maxBytes >> 20) + " MiB");
+            }
+            return bytes;
+        } catch (IOException unreadable) {
+            throw new AssetException(path + ": cannot be read: " + unreadable, unreadable);
+        }
+    }
+
+    private static void requireRelative(String path) throws AssetException {
+        if (path.isEmpty() || path.length() > MAX_PATH_LENGTH) {
+            throw new AssetException("a path of " + path.length() + " characters, expected 1 to "
+                    + MAX_PATH_LENGTH);
+        }
+        boolean plain = path.chars().noneMatch(c -> c == '\\' || c == ':' || c < ' ');
+        if (!plain || !List.of(path.split("/", -1)).stream().allMatch(AssetFolder::isName)) {
+            throw new AssetException(path + ": expected a path within the world's folder, such as "
+                    + "models/duck.glb, without `..`, `:` or `\\`");
+        }
+    }
+
+    private static boolean isName(String part) {
+        return !part.isEmpty() && !part.equals(".") && !part.equals("..");
+    }
+}

@@ -1,0 +1,126 @@
+package reve.core.mesh;
+
+import de.javagl.jgltf.impl.v2.GlTF;
+import de.javagl.jgltf.model.io.JsonError;
+import de.javagl.jgltf.model.io.v2.GltfReaderV2;
+import java.io.ByteArrayInputStream;
+import java.io.IOException;
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+import tools.jackson.core.JacksonException;
+import tools.jackson.core.JsonParser;
+import tools.jackson.databind.json.JsonMapper;
+
+/**
+ * A glTF file taken apart: the JSON with its numbers unchecked, and what a .glb has behind it.
+ *
+ * @param binary empty for a .gltf
+ */
+record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
+
+    private static final int MAGIC = 0x46546c67;
+    private static final int JSON_CHUNK = 0x4e4f534a;
+    private static final int BINARY_CHUNK = 0x004e4942;
+    /** Most values of the JSON: a megabyte of them can take hundreds as objects. */
+    private static final int MAX_TOKENS = 500_000;
+
+    static GltfContainer read(byte[] bytes, Sources sources) throws AssetException {
+        ByteBuffer file = ByteBuffer.wrap(bytes).order(ByteOrder.LITTLE_ENDIAN);
+        if (file.remaining() < 4 || file.getInt(0) != MAGIC) {
+            return new GltfContainer(parse(bytes, sources), Optional.empty());
+        }
+        if (file.remaining() < 12 || file.getInt(4) != 2) {
+            throw sources.refuse("expected glTF of version 2");
+        }
+        if (Integer.toUnsignedLong(file.getInt(8)) != bytes.length) {
+            throw sources.refuse("says that it has " + Integer.toUnsignedLong(file.getInt(8))
+                    + " bytes, found " + bytes.length + "; was it cut off?");
+        }
+        file.position(12);
+        byte[] json = new byte[0];
+        Optional<ByteBuffer> binary = Optional.empty();
+        while (file.remaining() >= 8) {
+            int length = file.getInt();
+            int type = file.getInt();
+            if (length < 0 || length > file.remaining()) {
+                throw sources.refuse("a chunk of " + Integer.toUnsignedLong(length)
+                        + " bytes where only " + file.remaining() + " follow");
+            }
+            ByteBuffer chunk = file.slice(file.position(), length);
+            if (type == JSON_CHUNK && json.length == 0) {
+                json = new byte[length];
+                chunk.get(json);
+            } else if (type == BINARY_CHUNK && binary.isEmpty()) {
+                binary = Optional.of(chunk);
+            }
+            file.position(file.position() + length);
+        }
+        return new GltfContainer(parse(json, sources), binary);
+    }
+
+    /** The list's element of that number. */
+    static <T> T element(@Nullable List<T> list, @Nullable Integer number, String what,
+            Sources sources) throws AssetException {
+        T found = list == null || number == null || number < 0 || number >= list.size() ? null
+                : list.get(number);
+        if (found == null) {
+            throw sources.refuse("refers to " + what + " "
+                    + (number == null ? "without a number" : number) + ", there are "
+                    + (list == null ? 0 : list.size()));
+        }
+        return found;
+    }
+
+    private static GlTF parse(byte[] json, Sources sources) throws AssetException {
+        checkSize(json, sources);
+        try {
+            var reader = new GltfReaderV2();
+            List<JsonError> unfit = new ArrayList<>();
+            reader.setJsonErrorConsumer(error -> {
+                if (error.getThrowable() != null) { // else a property that nobody knows
+                    unfit.add(error);
+                }
+            });
+            GlTF gltf = reader.read(new ByteArrayInputStream(json));
+            if (!unfit.isEmpty()) {
+                throw sources.refuse("not glTF: " + describe(unfit.getFirst()));
+            }
+            String version = gltf.getAsset() == null ? null : gltf.getAsset().getVersion();
+            if (version == null || !version.startsWith("2.")) {
+                throw sources.refuse("expected glTF of version 2, found "
+                        + (version == null ? "none" : "version " + version));
+            }
+            return gltf;
+        } catch (IOException | RuntimeException broken) {
+            // The library answers some broken files with unchecked exceptions.
+            throw sources.refuse("not glTF: " + firstLine(broken));
+        }
+    }
+
+    private static String describe(JsonError error) {
+        return error.getJsonPathString().replaceAll("\\.+", ".").substring(1) + ": "
+                + error.getMessage().lines().findFirst().orElse("");
+    }
+
+    private static void checkSize(byte[] json, Sources sources) throws AssetException {
+        try (JsonParser parser = JsonMapper.shared().createParser(json)) {
+            int tokens = 0;
+            while (parser.nextToken() != null) {
+                if (++tokens > MAX_TOKENS) {
+                    throw sources.refuse("more than " + MAX_TOKENS + " values of JSON");
+                }
+            }
+        } catch (JacksonException broken) {
+            throw sources.refuse("line " + broken.getLocation().getLineNr() + ": not JSON: "
+                    + broken.getOriginalMessage().lines().findFirst().orElse(""));
+        }
+    }
+
+    private static String firstLine(Exception broken) {
+        return String.valueOf(broken.getMessage()).lines().findFirst().orElse("");
+    }
+}

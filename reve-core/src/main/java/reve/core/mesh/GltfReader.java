@@ -1,0 +1,203 @@
+package reve.core.mesh;
+
+import de.javagl.jgltf.impl.v2.GlTF;
+import de.javagl.jgltf.impl.v2.MeshPrimitive;
+import de.javagl.jgltf.impl.v2.Node;
+import de.javagl.jgltf.model.GltfConstants;
+import java.util.ArrayList;
+import java.util.HashSet;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import java.util.stream.IntStream;
+import org.jspecify.annotations.Nullable;
+import reve.core.world.Material;
+import reve.core.world.Mesh;
+
+/**
+ * glTF 2.0 to one mesh: all triangles of the scene where its nodes put them. Cameras, lights,
+ * animations and morph targets are passed over; what would change the triangles is refused by name.
+ */
+final class GltfReader {
+
+    private static final int MAX_DEPTH = 256;
+
+    private final GlTF gltf;
+    private final Sources sources;
+    private final GltfAccessors accessors;
+    private final GltfMaterials materials;
+    private final MeshAssembler mesh;
+    private final Set<Integer> placed = new HashSet<>();
+
+    private GltfReader(GltfContainer file, Sources sources) {
+        this.gltf = file.gltf();
+        this.sources = sources;
+        this.accessors = new GltfAccessors(file, sources);
+        this.materials = new GltfMaterials(gltf, accessors, sources);
+        this.mesh = new MeshAssembler(sources);
+    }
+
+    static Mesh read(byte[] bytes, Sources sources) throws AssetException {
+        return new GltfReader(GltfContainer.read(bytes, sources), sources).read();
+    }
+
+    private Mesh read() throws AssetException {
+        refuseExtensions();
+        for (int root : roots()) {
+            place(root, Placement.IDENTITY, 0);
+        }
+        return mesh.finish(true);
+    }
+
+    private void refuseExtensions() throws AssetException {
+        List<String> required = orEmpty(gltf.getExtensionsRequired());
+        if (required.isEmpty()) {
+            return;
+        }
+        boolean compressed = required.stream().anyMatch(
+                name -> name.contains("draco") || name.contains("meshopt"));
+        throw sources.refuse("needs the glTF extension " + required.getFirst()
+                + ", which is not supported; export it without"
+                + (compressed ? " compression" : ""));
+    }
+
+    /** The nodes of the scene; without a scene, those that are nobody's child. */
+    private List<Integer> roots() throws AssetException {
+        List<Node> nodes = orEmpty(gltf.getNodes());
+        if (!orEmpty(gltf.getScenes()).isEmpty()) {
+            int scene = gltf.getScene() == null ? 0 : gltf.getScene();
+            return orEmpty(element(gltf.getScenes(), scene, "scene").getNodes());
+        }
+        Set<Integer> children = new HashSet<>();
+        nodes.forEach(node -> children.addAll(orEmpty(node.getChildren())));
+        return IntStream.range(0, nodes.size()).boxed()
+                .filter(node -> !children.contains(node)).toList();
+    }
+
+    private void place(@Nullable Integer number, Placement parent, int depth)
+            throws AssetException {
+        Node node = element(gltf.getNodes(), number, "node");
+        if (!placed.add(number)) {
+            throw sources.refuse("node " + number + " has two parents, or is its own ancestor");
+        }
+        if (depth > MAX_DEPTH) {
+            throw sources.refuse("nodes are nested more than " + MAX_DEPTH + " deep");
+        }
+        if (node.getSkin() != null) {
+            throw sources.refuse("node " + number + " has a skin, which is not supported; export "
+                    + "the mesh as it stands, without its armature");
+        }
+        Placement here = parent.times(placement(node));
+        if (node.getMesh() != null) {
+            var primitives = element(gltf.getMeshes(), node.getMesh(), "mesh").getPrimitives();
+            for (MeshPrimitive primitive : orEmpty(primitives)) {
+                add(primitive, here);
+            }
+        }
+        for (Integer child : orEmpty(node.getChildren())) {
+            place(child, here, depth + 1);
+        }
+    }
+
+    private static Placement placement(Node node) {
+        if (node.getMatrix() != null) {
+            return Placement.of(node.getMatrix());
+        }
+        return Placement.of(node.getScale() == null ? node.defaultScale() : node.getScale(),
+                node.getRotation() == null ? node.defaultRotation() : node.getRotation(),
+                node.getTranslation() == null ? node.defaultTranslation() : node.getTranslation());
+    }
+
+    private void add(MeshPrimitive primitive, Placement placement) throws AssetException {
+        int mode = primitive.getMode() == null ? primitive.defaultMode() : primitive.getMode();
+        if (mode < GltfConstants.GL_TRIANGLES) {
+            return; // points and lines
+        }
+        Map<String, Integer> attributes = primitive.getAttributes() == null ? Map.of()
+                : primitive.getAttributes();
+        var positions = accessors.find(attributes.get("POSITION"), "position");
+        var indices = primitive.getIndices() == null ? null
+                : accessors.find(primitive.getIndices(), "index");
+        int corners = indices == null ? positions.count() : indices.count();
+        int triangles = mode == GltfConstants.GL_TRIANGLES ? corners / 3 : Math.max(0, corners - 2);
+        mesh.reserve(positions.count(), triangles);
+        Material material = materials.get(primitive.getMaterial());
+        int first = addVertices(attributes, positions, placement,
+                materials.coordinatesOf(primitive.getMaterial()));
+        for (int i = 0; i < triangles; i++) {
+            int[] at = corners(mode, i);
+            if (placement.mirrors()) {
+                at = new int[] {at[0], at[2], at[1]};
+            }
+            for (int corner = 0; corner < 3; corner++) {
+                at[corner] = first + (indices == null ? at[corner]
+                        : indices.index(at[corner], positions.count()));
+            }
+            mesh.triangle(at[0], at[1], at[2], material);
+        }
+    }
+
+    /** Which corners make the i-th triangle of a list, a strip or a fan. */
+    private int[] corners(int mode, int i) throws AssetException {
+        return switch (mode) {
+            case GltfConstants.GL_TRIANGLES -> new int[] {3 * i, 3 * i + 1, 3 * i + 2};
+            case GltfConstants.GL_TRIANGLE_STRIP ->
+                new int[] {i, i + 1 + (i & 1), i + 2 - (i & 1)};
+            case GltfConstants.GL_TRIANGLE_FAN -> new int[] {0, i + 1, i + 2};
+            default -> throw sources.refuse("a primitive has mode " + mode + ", expected 0 to 6");
+        };
+    }
+
+    private int addVertices(Map<String, Integer> attributes, GltfAccessors.Accessor positions,
+            Placement placement, String coordinatesName) throws AssetException {
+        positions.requireNumbers("POSITION", 3, 3, positions.count());
+        var normals = attribute(attributes, "NORMAL", 3, 3, positions.count());
+        var coordinates = attribute(attributes, coordinatesName, 2, 2, positions.count());
+        var colours = attribute(attributes, "COLOR_0", 3, 4, positions.count());
+        Placement turned = placement.forNormals();
+        float side = placement.mirrors() ? -1 : 1;
+        int first = -1;
+        for (int i = 0; i < positions.count(); i++) {
+            float x = positions.number(i, 0);
+            float y = positions.number(i, 1);
+            float z = positions.number(i, 2);
+            int added = mesh.vertex(placement.point(0, x, y, z), placement.point(1, x, y, z),
+                    placement.point(2, x, y, z));
+            first = i == 0 ? added : first;
+            if (normals != null) {
+                float nx = side * normals.number(i, 0);
+                float ny = side * normals.number(i, 1);
+                float nz = side * normals.number(i, 2);
+                mesh.normal(turned.point(0, nx, ny, nz), turned.point(1, nx, ny, nz),
+                        turned.point(2, nx, ny, nz));
+            }
+            if (coordinates != null) {
+                mesh.coordinates(coordinates.number(i, 0), coordinates.number(i, 1));
+            }
+            if (colours != null) {
+                mesh.colour(GltfMaterials.toSrgb(colours.number(i, 0), colours.number(i, 1),
+                        colours.number(i, 2)).rgba());
+            }
+        }
+        return first;
+    }
+
+    private GltfAccessors.@Nullable Accessor attribute(Map<String, Integer> attributes,
+            String name, int least, int most, int count) throws AssetException {
+        if (attributes.get(name) == null) {
+            return null;
+        }
+        var accessor = accessors.find(attributes.get(name), name);
+        accessor.requireNumbers(name, least, most, count);
+        return accessor;
+    }
+
+    private <T> T element(@Nullable List<T> list, @Nullable Integer number, String what)
+            throws AssetException {
+        return GltfContainer.element(list, number, what, sources);
+    }
+
+    private static <T> List<T> orEmpty(@Nullable List<T> list) {
+        return list == null ? List.of() : new ArrayList<>(list);
+    }
+}

@@ -1,0 +1,91 @@
+package reve.core.mesh;
+
+import java.awt.color.ColorSpace;
+import java.awt.image.BufferedImage;
+import java.awt.image.DataBuffer;
+import java.awt.image.Raster;
+import java.io.ByteArrayInputStream;
+import java.io.IOException;
+import java.util.Optional;
+import javax.imageio.ImageIO;
+import javax.imageio.ImageReader;
+import javax.imageio.stream.ImageInputStream;
+import javax.imageio.stream.MemoryCacheImageInputStream;
+import reve.core.world.Texture;
+
+/** PNG and JPEG to pixels. The header is looked at first: small files can hold huge images. */
+final class ImageDecoder {
+
+    private ImageDecoder() {}
+
+    /**
+     * @param name what messages call the image
+     * @param file see {@link Texture#file}
+     */
+    static Texture decode(byte[] bytes, String name, Optional<String> file, Budget budget)
+            throws AssetException {
+        ImageReader reader = ImageIO.getImageReadersByFormatName(format(bytes, name)).next();
+        try (ImageInputStream in = new MemoryCacheImageInputStream(
+                new ByteArrayInputStream(bytes))) {
+            reader.setInput(in, true, true);
+            int width = reader.getWidth(0);
+            int height = reader.getHeight(0);
+            if ((long) width * height > Texture.MAX_PIXELS) {
+                throw new AssetException(name + ": an image of " + width + " x " + height
+                        + " pixels, at most " + Texture.MAX_PIXELS + " are allowed");
+            }
+            budget.takePixels(name, (long) width * height);
+            return new Texture(width, height, rgba(reader.read(0)), file);
+        } catch (IOException | RuntimeException broken) {
+            // The readers of the JDK answer some broken files with unchecked exceptions.
+            throw new AssetException(name + ": a broken image: " + oneLine(broken), broken);
+        } finally {
+            reader.dispose();
+        }
+    }
+
+    private static String format(byte[] bytes, String name) throws AssetException {
+        if (bytes.length > 8 && bytes[0] == (byte) 0x89 && bytes[1] == 'P' && bytes[2] == 'N') {
+            return "png";
+        }
+        if (bytes.length > 8 && bytes[0] == (byte) 0xff && bytes[1] == (byte) 0xd8) {
+            return "jpeg";
+        }
+        throw new AssetException(name + ": expected a PNG or JPEG image");
+    }
+
+    private static byte[] rgba(BufferedImage image) {
+        int width = image.getWidth();
+        int height = image.getHeight();
+        byte[] pixels = new byte[4 * width * height];
+        // To Java, grey is linear light; in image files it is sRGB like all else.
+        boolean grey = image.getColorModel().getColorSpace().getType() == ColorSpace.TYPE_GRAY;
+        int[] row = new int[width];
+        for (int y = 0; y < height; y++) {
+            if (grey) {
+                greyRow(image.getRaster(), y, row);
+            } else {
+                image.getRGB(0, y, width, 1, row, 0, width);
+            }
+            for (int x = 0, at = 4 * width * y; x < width; x++) {
+                pixels[at++] = (byte) (row[x] >> 16);
+                pixels[at++] = (byte) (row[x] >> 8);
+                pixels[at++] = (byte) row[x];
+                pixels[at++] = (byte) 255;
+            }
+        }
+        return pixels;
+    }
+
+    private static void greyRow(Raster raster, int y, int[] row) {
+        raster.getSamples(0, y, row.length, 1, 0, row);
+        int shift = raster.getDataBuffer().getDataType() == DataBuffer.TYPE_USHORT ? 8 : 0;
+        for (int x = 0; x < row.length; x++) {
+            row[x] = (row[x] >> shift) * 0x010101;
+        }
+    }
+
+    private static String oneLine(Exception broken) {
+        return String.valueOf(broken.getMessage()).lines().findFirst().orElse("");
+    }
+}

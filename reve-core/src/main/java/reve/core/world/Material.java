@@ -1,0 +1,31 @@
+package reve.core.world;
+
+import java.util.Optional;
+
+/**
+ * How a surface answers light. What is shown is the item's colour times this colour times the
+ * texture. Immutable.
+ *
+ * @param colour of the surface
+ * @param roughness 0 (a mirror's highlight: small and bright) to 1 (none to be seen)
+ * @param metallic 0 (plastic, wood, stone) to 1 (bare metal: no colour but in what it reflects)
+ * @param texture multiplies the colour, where the shape has texture coordinates
+ */
+public record Material(Colour colour, double roughness, double metallic,
+        Optional<Texture> texture) {
+
+    /** What a surface has that names no other: slightly glossy and white. */
+    public static final Material DEFAULT = new Material(Colour.WHITE, 0.45, 0, Optional.empty());
+
+    /** @throws IllegalArgumentException if roughness or metallic are not 0 to 1 */
+    public Material {
+        requireFraction("roughness", roughness);
+        requireFraction("metallic", metallic);
+    }
+
+    private static void requireFraction(String what, double value) {
+        if (!(value >= 0 && value <= 1)) {
+            throw new IllegalArgumentException(what + ": " + value + ", expected 0 to 1");
+        }
+    }
+}
