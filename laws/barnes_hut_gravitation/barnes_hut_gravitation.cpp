@@ -2,8 +2,10 @@
 #include <span>
 #include <stdexcept>
 #include <string>
+#include <type_traits>
 
 #include "all_pairs/all_pairs.hpp"
+#include "distant_cells.hpp"
 #include "interactions.hpp"
 #include "octree.hpp"
 
@@ -145,16 +147,34 @@ class BarnesHutGravitation {
       simd_.add_bodies(targets, tree_.sources().data(), runs, run_count, softening2);
       run_count = 0;
     };
-    tree_.Walk(
-        box, Theta2(),
-        [&](uint32_t cell) {
-          cells[cell_count++] = cell;
-          if (cell_count == kList) add_cells();
-        },
-        [&](const Run& run) {
-          runs[run_count++] = run;
-          if (run_count == kList) add_bodies();
-        });
+    const auto far = [&](uint32_t cell) {
+      cells[cell_count++] = cell;
+      if (cell_count == kList) add_cells();
+    };
+    const auto near = [&](const Run& run) {
+      if (run_count > 0 && runs[run_count - 1].first + runs[run_count - 1].count == run.first) {
+        runs[run_count - 1].count += run.count;
+        return;
+      }
+      runs[run_count++] = run;
+      if (run_count == kList) add_bodies();
+    };
+    if constexpr (std::is_same_v<Real, double>) {
+      DistantCells distant(simd_single_, targets, box, Softening2());
+      tree_.Walk(
+          box, Theta2(),
+          [&](uint32_t cell, Real distance2) {
+            if (distant.Takes(distance2)) {
+              distant.Add(tree_.multipoles()[cell]);
+            } else {
+              far(cell);
+            }
+          },
+          near);
+      distant.Flush();
+    } else {
+      tree_.Walk(box, Theta2(), [&](uint32_t cell, Real) { far(cell); }, near);
+    }
     add_cells();
     add_bodies();
   }
@@ -175,7 +195,7 @@ class BarnesHutGravitation {
     box.Include(at);
     tree_.Walk(
         box, Theta2(),
-        [&](uint32_t c) {
+        [&](uint32_t c, Real) {
           const Cell<Real>& cell = tree_.cells()[c];
           const bool within = cell.first <= k && k < cell.first + cell.count;
           const double own = within ? double{tree_.sources()[k].mass} : 0.0;
@@ -199,6 +219,7 @@ class BarnesHutGravitation {
   Accumulate<Vec3<Real>> force_{"externalForce", "body", units::newton};
 
   const Interactions<Real> simd_ = AvailableInteractions<Real>().front();
+  const Interactions<float> simd_single_ = AvailableInteractions<float>().front();
   // Rebuilt by each call of Advance and of PotentialEnergy.
   AllPairs<Real> pairs_;
   Octree<Real> tree_;

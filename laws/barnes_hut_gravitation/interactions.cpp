@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
-#include "all_pairs/fused-inl.hpp"
+#include "all_pairs/inverse_cube-inl.hpp"
 #include "all_pairs/pair_sums.hpp"
 #include "interactions.hpp"
 
@@ -14,6 +14,8 @@ namespace vesper::barnes_hut::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 using vesper::HWY_NAMESPACE::Fused;
+using vesper::HWY_NAMESPACE::FusedMinus;
+using vesper::HWY_NAMESPACE::PortableRoot;
 
 /// A vector of targets, held in registers while all sources pass by.
 template <class D>
@@ -45,32 +47,30 @@ class Block {
     const V dy = hn::Sub(hn::Set(d, source.position.y), y_);
     const V dz = hn::Sub(hn::Set(d, source.position.z), z_);
     const V square = Square(dx, dy, dz, softening2);
-    const V w = hn::Div(hn::Set(d, source.mass), hn::Mul(square, hn::Sqrt(square)));
+    const V w = hn::Mul(hn::Set(d, source.mass), PortableRoot::InverseCube(d, square));
     ax_ = Fused(d, w, dx, ax_);
     ay_ = Fused(d, w, dy, ay_);
     az_ = Fused(d, w, dz, az_);
   }
 
   /// With r^2 = d^2 + softening2 and S the spread of the cell, q = S d / r^2:
-  /// a += m / r^3 [(1 + 5/2 (d.q) / r^2 - 1/2 tr S / r^2) d - q]
+  /// a += m / r^3 [(1 + (5/2 (d.q) - 1/2 tr S) / r^2) d - q]
   HWY_INLINE void Add(const Multipole<Real>& cell, V softening2) {
     const D d;
     const V dx = hn::Sub(hn::Set(d, cell.centre.x), x_);
     const V dy = hn::Sub(hn::Set(d, cell.centre.y), y_);
     const V dz = hn::Sub(hn::Set(d, cell.centre.z), z_);
-    const V square = Square(dx, dy, dz, softening2);
-    const V inverse = hn::Div(hn::Set(d, Real{1}), hn::Sqrt(square));
-    const V inverse2 = hn::Mul(inverse, inverse);
-    const V w = hn::Mul(hn::Mul(hn::Set(d, cell.mass), inverse), inverse2);
+    const V inverse2 = hn::Div(hn::Set(d, Real{1}), Square(dx, dy, dz, softening2));
+    const V w = hn::Mul(hn::Mul(hn::Set(d, cell.mass), inverse2), hn::Sqrt(inverse2));
     const V qx = hn::Mul(inverse2, Row(cell.xx, cell.xy, cell.xz, dx, dy, dz));
     const V qy = hn::Mul(inverse2, Row(cell.xy, cell.yy, cell.yz, dx, dy, dz));
     const V qz = hn::Mul(inverse2, Row(cell.xz, cell.yz, cell.zz, dx, dy, dz));
     const V dq = Fused(d, dx, qx, Fused(d, dy, qy, hn::Mul(dz, qz)));
     const V bracket = Fused(d, hn::Set(d, Real{2.5}), dq, hn::Set(d, Real{-0.5} * cell.trace));
-    const V k = Fused(d, bracket, inverse2, hn::Set(d, Real{1}));
-    ax_ = Fused(d, w, hn::Sub(hn::Mul(k, dx), qx), ax_);
-    ay_ = Fused(d, w, hn::Sub(hn::Mul(k, dy), qy), ay_);
-    az_ = Fused(d, w, hn::Sub(hn::Mul(k, dz), qz), az_);
+    const V along = hn::Mul(w, Fused(d, bracket, inverse2, hn::Set(d, Real{1})));
+    ax_ = FusedMinus(d, w, qx, Fused(d, along, dx, ax_));
+    ay_ = FusedMinus(d, w, qy, Fused(d, along, dy, ay_));
+    az_ = FusedMinus(d, w, qz, Fused(d, along, dz, az_));
   }
 
  private:

@@ -83,13 +83,15 @@ class Octree {
   uint32_t Row(uint64_t k) const { return items_[k].row; }
 
   /// Walks down until cells look small from everywhere in the box: reach <= theta * distance. Calls
-  /// far(cell index) for those and near(run of bodies) for leaves that are too close.
+  /// far(cell index, distance^2) for those, and near(run of bodies) for leaves that are too close or
+  /// hold one body.
   template <class Far, class Near>
   void Walk(const Box<Real>& from, Real theta2, const Far& far, const Near& near) const {
     for (uint32_t c = 0; c < cells_.size();) {
       const Cell<Real>& cell = cells_[c];
-      if (cell.reach2 <= theta2 * from.NearestSquare(cell.centre)) {
-        far(c);
+      const Real distance2 = from.NearestSquare(cell.centre);
+      if (cell.count > 1 && cell.reach2 <= theta2 * distance2) {
+        far(c, distance2);
         c = cell.next;
       } else if (cell.next == c + 1) {
         near(Run{cell.first, cell.count});
@@ -102,7 +104,7 @@ class Octree {
 
  private:
   static constexpr uint64_t kGrain = 8192;
-  static constexpr int kExtent = sizeof(Real) == 4 ? 20 : 100;
+  static constexpr int kExtent = 20;
 
   template <class Parallel>
   void Scale(const Parallel& parallel, std::span<const Vec3<Real>> position,
