@@ -3,6 +3,7 @@ package reve.core.file;
 import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -15,9 +16,6 @@ import reve.core.world.WorldPrototype;
 
 /** Reads items with their four aspects, and then what they say about each other. */
 final class ItemReader {
-    /** Most values that come of prefabs and repetitions. */
-    static final int MAX_VALUES = 10_000_000;
-
     private final WorldPrototype prototype;
     private final Problems problems;
     private final PhysicsReader physics;
@@ -26,12 +24,14 @@ final class ItemReader {
     /** The items of the file by name; of several with one name, the first. */
     private final Map<String, Entry> byName = new LinkedHashMap<>();
     private final List<Reference> references = new ArrayList<>();
+    /** Where items name their parents, by the items' names. */
+    private final Map<String, Node> parents = new LinkedHashMap<>();
 
     /** What others may ask about an item. */
     private record Entry(Node name, String kind, boolean hasPhysics) {}
 
     /** One mention of another item, to be resolved when all items are known. */
-    private record Reference(Node target, String property, String kind) {}
+    private record Reference(Node target, String kind, boolean needsPhysics) {}
 
     ItemReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
             Problems problems) {
@@ -43,15 +43,14 @@ final class ItemReader {
     }
 
     /** All items under {@code items}, without those that have a problem. */
-    List<ItemDefinition> readAll(List<Node> nodes, Prefabs prefabs) throws WorldFileException {
+    List<ItemDefinition> readAll(List<Node> nodes, Expansion expansion)
+            throws WorldFileException {
         List<ItemDefinition> items = new ArrayList<>();
-        for (Node item : nodes) {
-            if (problems.full()) {
-                break;
-            }
-            read(prefabs.complete(item)).ifPresent(items::add);
+        for (Node node : nodes) {
+            expansion.expand(node, item -> read(item).ifPresent(items::add));
         }
         resolveReferences();
+        refuseCircles();
         return items;
     }
 
@@ -93,6 +92,7 @@ final class ItemReader {
                 .flatMap(name -> named(name, node, kind.orElse("")));
         if (kind.isPresent() && item.isPresent()) {
             item.get().kind(kind.get());
+            readParent(node, kind.get(), item.get());
             readAspects(node, kind.get(), true, item.get());
         }
         return item.map(ItemDefinition.Builder::build);
@@ -106,10 +106,13 @@ final class ItemReader {
         ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
         kind.ifPresent(known -> {
             item.kind(known);
+            readParent(node, known, item);
             readAspects(node, known, hasPhysics(node), item);
             requireReferences(node, known);
         });
-        return named.map(ItemDefinition.Builder::build);
+        Optional<ItemDefinition> read = named.map(ItemDefinition.Builder::build);
+        read.ifPresent(complete -> refuseMassOfChild(node, complete));
+        return read;
     }
 
     private Optional<ItemDefinition.Builder> named(Node node, Node item, String kind) {
@@ -158,6 +161,30 @@ final class ItemReader {
         return item.get("physics").filter(aspect -> !aspect.children().isEmpty()).isPresent();
     }
 
+    private void readParent(Node node, String kind, ItemDefinition.Builder item) {
+        Optional<Node> parent = node.get("parent").filter(name -> name.text().isPresent());
+        if (parent.isEmpty()) {
+            return;
+        }
+        if (!kind.equals(WorldPrototype.BODY)) {
+            problems.addAtKey(parent.get(), "only items of kind body have a `parent`, this is a "
+                    + kind);
+            return;
+        }
+        item.parent(parent.get().text().orElseThrow());
+        parents.put(item.name(), parent.get());
+        references.add(new Reference(parent.get(), WorldPrototype.BODY, false));
+    }
+
+    private void refuseMassOfChild(Node node, ItemDefinition item) {
+        boolean massive = item.physics("mass").filter(mass -> mass[0] != 0).isPresent();
+        if (massive && item.parent().isPresent()) {
+            problems.add(node.get("physics").flatMap(aspect -> aspect.get("mass"))
+                    .orElse(node), "mass: an item with a `parent` moves with it and not by laws; "
+                            + "expected mass 0, or none");
+        }
+    }
+
     private void readAspects(Node node, String kind, boolean hasPhysics,
             ItemDefinition.Builder item) {
         node.get("physical").ifPresent(aspect -> {
@@ -178,6 +205,10 @@ final class ItemReader {
 
     private void readSymbols(Node aspect, ItemDefinition.Builder item) {
         for (Node symbol : aspect.children()) {
+            if (symbol.isList()) {
+                problems.add(symbol, symbol.label() + ": found " + symbol.describe()
+                        + ", expected a text, a number or true or false");
+            }
             symbol.scalar().ifPresent(value -> {
                 try {
                     item.symbol(symbol.key(), value);
@@ -199,8 +230,8 @@ final class ItemReader {
             public void references(PropertyDescriptor property, List<Node> targets) {
                 item.reference(property.name(), targets.stream()
                         .map(target -> target.text().orElseThrow()).toArray(String[]::new));
-                targets.forEach(target -> references.add(new Reference(target, property.name(),
-                        property.refersTo().orElseThrow())));
+                targets.forEach(target -> references.add(new Reference(target,
+                        property.refersTo().orElseThrow(), true)));
             }
         });
     }
@@ -231,6 +262,26 @@ final class ItemReader {
         }
     }
 
+    /** Nothing is its own parent, however far up. */
+    private void refuseCircles() {
+        Set<String> free = new HashSet<>();
+        for (String item : parents.keySet()) {
+            Set<String> path = new LinkedHashSet<>();
+            String next = item;
+            while (parents.containsKey(next) && !free.contains(next)) {
+                Node parent = parents.get(next);
+                if (!path.add(next)) {
+                    problems.add(parent, "parent: `" + Node.shorten(next)
+                            + "` would be its own parent, by way of "
+                            + Node.shorten(String.join(", ", path)));
+                    break;
+                }
+                next = parent.text().orElseThrow();
+            }
+            free.addAll(path);
+        }
+    }
+
     private void resolveReferences() {
         for (Reference reference : references) {
             if (problems.full()) {
@@ -245,7 +296,7 @@ final class ItemReader {
             } else if (!entry.kind.equals(reference.kind)) {
                 problems.add(reference.target, subject + "`" + name + "` is a " + entry.kind
                         + ", expected a " + reference.kind);
-            } else if (!entry.hasPhysics) {
+            } else if (reference.needsPhysics && !entry.hasPhysics) {
                 problems.add(reference.target, subject + "`" + name + "` has no `physics`, so "
                         + "nothing can hold on to it; mass 0 makes a body immovable");
             }

@@ -77,6 +77,7 @@ public final class ItemWriter {
     }
 
     private void putAspects(Map<String, Object> tree, ItemDefinition item) {
+        item.parent().ifPresent(parent -> tree.put("parent", parent));
         putIfAny(tree, "physical", physical(item));
         putIfAny(tree, "semantic", symbols(item.symbols()));
         putIfAny(tree, "access", actions(item.name(), item.actions()));

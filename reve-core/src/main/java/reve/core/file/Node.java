@@ -46,6 +46,16 @@ final class Node {
         return new Node(file, parent, key, keyLine, keyColumn, line, column, other);
     }
 
+    /** A list of numbers that takes the place of this value. */
+    Node withNumbers(double[] numbers) {
+        List<Node> elements = new ArrayList<>(numbers.length);
+        Node list = withValue(elements);
+        for (int i = 0; i < numbers.length; i++) {
+            elements.add(new Node(file, list, i, line, column, line, column, numbers[i]));
+        }
+        return list;
+    }
+
     /**
      * This mapping with all that it leaves open taken from another one: mappings under the same key
      * are laid over each other in the same way, anything else here hides what is there. Every value

@@ -14,7 +14,7 @@ final class Prefabs {
     static final int MAX_CHAIN = 32;
 
     private final Problems problems;
-    private final Allowance values;
+    private final Expansion.Room values;
     private final Map<String, Node> given = new LinkedHashMap<>();
     private final Map<String, Node> complete = new HashMap<>();
 
@@ -22,7 +22,7 @@ final class Prefabs {
      * @param prefabs mappings under their names; of several with one name, the first counts
      * @param values how many may come of laying items over prefabs
      */
-    Prefabs(List<Node> prefabs, Problems problems, Allowance values) throws WorldFileException {
+    Prefabs(List<Node> prefabs, Problems problems, Expansion.Room values) throws WorldFileException {
         this.problems = problems;
         this.values = values;
         for (Node prefab : prefabs) {
@@ -53,7 +53,7 @@ final class Prefabs {
         if (prefab.filter(Node::isMapping).isEmpty()) {
             return own;
         }
-        requireRoom(values, prefab.get().fieldCount(), item, problems);
+        values.require(prefab.get().fieldCount(), item);
         return own.over(prefab.get());
     }
 
@@ -80,15 +80,5 @@ final class Prefabs {
         users.remove(name);
         complete.put(name, whole);
         return Optional.of(whole);
-    }
-
-    /** @throws WorldFileException at the item if it is one too many */
-    static void requireRoom(Allowance values, long more, Node item, Problems problems)
-            throws WorldFileException {
-        if (!values.take(more)) {
-            throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
-                    + ItemReader.MAX_VALUES + " values in all items with what they are like and "
-                    + "their repetitions");
-        }
     }
 }

@@ -90,7 +90,7 @@ final class SchemaCheck {
                 case "propertyNames" -> {
                     Node named = node.get(error.getProperty()).orElse(node);
                     problems.addAtKey(named, "`" + Node.shorten(named.key())
-                            + "` is not a name; expected " + description("label"));
+                            + "` is not a name; expected " + description(error.getSchemaNode()));
                 }
                 default -> problems.add(node, subject(node) + message(error, node));
             }
@@ -157,8 +157,12 @@ final class SchemaCheck {
         return TREE.at(JsonPointer.compile(rule.substring(0, rule.lastIndexOf('/'))));
     }
 
-    private static String description(String definition) {
-        return TREE.path("$defs").path(definition).path("description").asString();
+    /** What a rule expects, which it refers to or says itself. */
+    private static String description(JsonNode rule) {
+        JsonNode reference = rule.path("$ref");
+        return (reference.isMissingNode() ? rule
+                : TREE.at(JsonPointer.compile(reference.asString().substring(1))))
+                .path("description").asString();
     }
 
     private static List<String> strings(JsonNode rule) {

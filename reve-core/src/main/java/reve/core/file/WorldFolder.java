@@ -10,6 +10,7 @@ import org.jspecify.annotations.Nullable;
 /** The folder of a world file: what the world is made of is read from inside it and nowhere else. */
 final class WorldFolder {
     private final @Nullable Path root;
+    private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
 
     private WorldFolder(@Nullable Path root) {
         this.root = root;
@@ -49,6 +50,24 @@ final class WorldFolder {
         }
         problems.add(node, node.label() + ": `" + Node.shorten(name.get()) + "` " + refusal);
         return Optional.empty();
+    }
+
+    /**
+     * The text of a file; that of all files together is limited.
+     *
+     * @throws WorldFileException if it is too large, or not UTF-8, or cannot be read
+     */
+    String read(Path found, Problems problems) throws WorldFileException {
+        try {
+            return SourceText.read(found, problems, bytes);
+        } catch (IOException unreadable) {
+            throw problems.fatal(1, 1, "cannot be read: " + unreadable.getMessage());
+        }
+    }
+
+    /** Text that was read already; it counts alike. */
+    String decode(byte[] content, Problems problems) throws WorldFileException {
+        return SourceText.decode(content, problems, bytes);
     }
 
     /** Why not; empty if the file can be read. */

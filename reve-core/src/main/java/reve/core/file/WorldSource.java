@@ -27,7 +27,7 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
      */
     static WorldSource read(Path path, Problems problems) throws WorldFileException, IOException {
         var reader = new Reader(WorldFolder.of(path), problems);
-        String text = SourceText.read(path, problems, reader.bytes);
+        String text = reader.folder.read(path, problems);
         reader.open.add(path.toRealPath());
         return reader.read(text);
     }
@@ -35,7 +35,7 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
     /** Reads a world that is in no file, and can therefore include none. */
     static WorldSource parse(byte[] content, Problems problems) throws WorldFileException {
         var reader = new Reader(WorldFolder.none(), problems);
-        return reader.read(SourceText.decode(content, problems, reader.bytes));
+        return reader.read(reader.folder.decode(content, problems));
     }
 
     /** What a key has under it in each file that has it. */
@@ -51,7 +51,6 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
     private static final class Reader {
         private final WorldFolder folder;
         private final Problems problems;
-        private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
         private final Allowance values = new Allowance(YamlReader.MAX_VALUES);
         private final List<Node> parts = new ArrayList<>();
         /** The files that are being read, the innermost last, and those that were read. */
@@ -100,9 +99,9 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
             }
         }
 
-        private void readPart(Path path) throws WorldFileException, IOException {
+        private void readPart(Path path) throws WorldFileException {
             Problems told = problems.of(path.toString());
-            Node part = YamlReader.read(SourceText.read(path, told, bytes), told, values);
+            Node part = YamlReader.read(folder.read(path, told), told, values);
             SchemaCheck.checkPart(part, told);
             includeAll(part);
             parts.add(part);

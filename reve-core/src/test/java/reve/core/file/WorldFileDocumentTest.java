@@ -2,6 +2,7 @@ package reve.core.file;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
+import static org.assertj.core.api.Assertions.within;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
@@ -69,6 +70,18 @@ class WorldFileDocumentTest {
                 .allMatch(wheel -> wheel.physics("mass").orElseThrow()[0] == 8);
         assertThat(wheels).extracting(wheel -> wheel.symbols().get("worn"))
                 .containsExactly(false, true);
+    }
+
+    @Test
+    void aClothIsWovenOfRepeatedItems() throws Exception {
+        WorldDescription cloth = WorldFileTest.parse(yaml("# cloth.yaml"));
+        try (var arena = new OffHeapArena()) {
+            World world = cloth.build(arena);
+            assertThat(world.table("body").rowCount()).isEqualTo(20 * 30 + 100);
+            assertThat(world.table("spring").rowCount()).isEqualTo(20 * 29 + 19 * 30);
+            assertThat(world.find("dust 25").orElseThrow().physics().vector("velocity")[0])
+                    .isCloseTo(0, within(1e-15));
+        }
     }
 
     @Test

@@ -1,0 +1,80 @@
+package reve.core.file;
+
+import java.util.Optional;
+import java.util.function.Consumer;
+
+/** Items as they are written to items as they are meant: completed by prefabs, and repeated. */
+final class Expansion {
+    /** Most values that come of it. */
+    static final int MAX_VALUES = 10_000_000;
+
+    private final Problems problems;
+    private final WorldFolder folder;
+    private final Room values;
+    private final Prefabs prefabs;
+
+    /** @param source of which the prefabs are */
+    Expansion(WorldSource source, Problems problems) throws WorldFileException {
+        this.problems = problems;
+        this.folder = source.folder();
+        this.values = new Room(problems);
+        this.prefabs = new Prefabs(source.all("prefabs"), problems, values);
+    }
+
+    /** Room for values, which the first item that is too large leaves. */
+    static final class Room {
+        private final Problems problems;
+        private final Allowance left = new Allowance(MAX_VALUES);
+
+        private Room(Problems problems) {
+            this.problems = problems;
+        }
+
+        /** @throws WorldFileException at the item if there is no room for its values */
+        void require(long count, Node item) throws WorldFileException {
+            if (!left.take(count)) {
+                throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
+                        + MAX_VALUES + " values in all items with what they are like and their "
+                        + "repetitions");
+            }
+        }
+    }
+
+    /** An item or agents' body with what it takes from the prefab that it is like. */
+    Node complete(Node item) throws WorldFileException {
+        return prefabs.complete(item);
+    }
+
+    /** Hands on the item, or all of its repetitions. */
+    void expand(Node item, Consumer<Node> sink) throws WorldFileException {
+        if (problems.full()) {
+            return;
+        }
+        Node complete = complete(item);
+        Optional<Node> repeat = complete.get("repeat");
+        if (repeat.isEmpty()) {
+            sink.accept(complete);
+            return;
+        }
+        Optional<Repetition> repetition = Repetition.read(repeat.get(), folder, problems);
+        if (repetition.isPresent()) {
+            repeat(complete.without("repeat"), repetition.get(), sink);
+        }
+    }
+
+    private void repeat(Node item, Repetition repetition, Consumer<Node> sink)
+            throws WorldFileException {
+        var template = new Template(item, repetition.variables(), problems);
+        values.require(Math.min(repetition.count(), MAX_VALUES) * (1 + template.size()), item);
+        Optional<Node> fixed = item.get("name").filter(node -> node.text()
+                .filter(name -> name.indexOf('{') < 0).isPresent());
+        if (fixed.isPresent() && repetition.count() > 1) {
+            problems.add(fixed.get(), "name: the item is repeated, so its name needs a formula, "
+                    + "as in `ball-{" + repetition.variables().getFirst() + "}`");
+            return;
+        }
+        for (long n = 0; n < repetition.count() && !problems.full(); n++) {
+            sink.accept(template.make(repetition.values().at(n), n));
+        }
+    }
+}

@@ -1,0 +1,71 @@
+package reve.core.file;
+
+import java.util.Map;
+
+/**
+ * Numbers that look random and follow from a seed and the number of a repetition: SplitMix64 of
+ * Steele, Lea and Flood, "Fast splittable pseudorandom number generators", 2014.
+ */
+final class RandomNumbers {
+    /** What formulas call; the argument is the seed. */
+    static final Map<String, Function> FUNCTIONS = Map.of(
+            "random", numbers -> new double[] {numbers.next()},
+            "box", RandomNumbers::inBox,
+            "ball", RandomNumbers::inBall,
+            "sphere", RandomNumbers::onSphere);
+
+    private static final long STEP = 0x9e3779b97f4a7c15L;
+    /** What is nearer to the origin has too few digits left for a direction. */
+    private static final double SMALLEST = 1e-6;
+
+    /** One number, or the coordinates of a point. */
+    interface Function {
+        double[] value(RandomNumbers numbers);
+    }
+
+    private long state;
+
+    RandomNumbers(long seed, long number) {
+        state = mixed(mixed(seed) + number);
+    }
+
+    /** Evenly from 0 (possible) to 1 (never). */
+    double next() {
+        state += STEP;
+        return (mixed(state) >>> 11) * 0x1p-53;
+    }
+
+    /** Evenly in the cube from -1 to 1. */
+    private double[] inBox() {
+        return new double[] {2 * next() - 1, 2 * next() - 1, 2 * next() - 1};
+    }
+
+    /** Evenly in the ball of radius 1: the first point of the cube that lies in it. */
+    private double[] inBall() {
+        double[] point = inBox();
+        while (squared(point) > 1) {
+            point = inBox();
+        }
+        return point;
+    }
+
+    /** Evenly on the sphere of radius 1. */
+    private double[] onSphere() {
+        double[] point = inBall();
+        while (squared(point) < SMALLEST) {
+            point = inBall();
+        }
+        double radius = Math.sqrt(squared(point));
+        return new double[] {point[0] / radius, point[1] / radius, point[2] / radius};
+    }
+
+    private static double squared(double[] point) {
+        return point[0] * point[0] + point[1] * point[1] + point[2] * point[2];
+    }
+
+    private static long mixed(long bits) {
+        long z = (bits ^ bits >>> 30) * 0xbf58476d1ce4e5b9L;
+        z = (z ^ z >>> 27) * 0x94d049bb133111ebL;
+        return z ^ z >>> 31;
+    }
+}

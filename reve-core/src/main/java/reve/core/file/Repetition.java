@@ -1,0 +1,64 @@
+package reve.core.file;
+
+import java.nio.file.Path;
+import java.util.List;
+import java.util.Optional;
+
+/**
+ * How often an item is repeated, and the numbers that its formulas use.
+ *
+ * @param variables their names
+ * @param count of repetitions
+ * @param values of the variables in each
+ */
+record Repetition(List<String> variables, long count, Values values) {
+    private static final String INDEX = "i";
+
+    /** Values of the variables of one repetition. */
+    interface Values {
+        double[] at(long number);
+    }
+
+    /** What stands under {@code repeat}; empty and a problem noted if it is wrong. */
+    static Optional<Repetition> read(Node node, WorldFolder folder, Problems problems)
+            throws WorldFileException {
+        if (node.text().isPresent()) {
+            Optional<Path> file = folder.find(node, problems);
+            return file.isEmpty() ? Optional.empty()
+                    : Optional.of(Table.read(file.get(), folder, problems));
+        }
+        if (node.number().isPresent()) {
+            long count = node.number().get().longValue();
+            return Optional.of(new Repetition(List.of(INDEX), count,
+                    number -> new double[] {number}));
+        }
+        return node.isMapping() ? grid(node, problems) : Optional.empty();
+    }
+
+    /** All combinations of several indices, the last one running fastest. */
+    private static Optional<Repetition> grid(Node node, Problems problems) {
+        List<String> names = node.children().stream().map(Node::key).toList();
+        for (Node index : node.children()) {
+            if (Formula.isTaken(index.key())) {
+                problems.addAtKey(index, "`" + index.key() + "` means something else in formulas; "
+                        + "choose another name");
+                return Optional.empty();
+            }
+        }
+        long[] counts = node.children().stream()
+                .mapToLong(index -> index.number().orElse(0.0).longValue()).toArray();
+        double count = 1;
+        for (long each : counts) {
+            count *= each;
+        }
+        return Optional.of(new Repetition(names, (long) count, number -> {
+            double[] values = new double[counts.length];
+            long rest = number;
+            for (int i = counts.length - 1; i >= 0; i--) {
+                values[i] = rest % counts[i];
+                rest /= counts[i];
+            }
+            return values;
+        }));
+    }
+}

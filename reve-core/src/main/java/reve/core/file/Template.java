@@ -1,0 +1,163 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/**
+ * An item with formulas in its texts, in braces: {@code node-{i+1}}. A text that is one formula and
+ * nothing else is its number, or a list of its numbers. {@code {{} and {@code }}} are plain braces.
+ */
+final class Template {
+    private static final Pattern PIECE = Pattern.compile(
+            "(\\{\\{|\\}\\})|\\{([^{}]*)\\}|([{}])|[^{}]+");
+
+    /** Makes one value of the item. */
+    private interface Maker {
+        Node make(double[] variables, long number);
+    }
+
+    private final List<String> variables;
+    private final Problems problems;
+    private final Maker maker;
+    private int made;
+
+    /** @param variables the names that formulas may use; what is wrong with them is noted */
+    Template(Node item, List<String> variables, Problems problems) {
+        this.variables = variables;
+        this.problems = problems;
+        this.maker = maker(item);
+    }
+
+    /** How many values are made anew for each item. */
+    int size() {
+        return made;
+    }
+
+    /**
+     * The item of one repetition; a problem is noted where a formula has no value.
+     *
+     * @param values of the variables
+     * @param number of the repetition, from 0
+     */
+    Node make(double[] values, long number) {
+        return maker.make(values, number);
+    }
+
+    private Maker maker(Node node) {
+        if (node.isMapping() || node.isList()) {
+            int before = made;
+            List<Maker> makers = node.children().stream().map(this::maker).toList();
+            if (made == before) {
+                return (values, number) -> node;
+            }
+            made++;
+            return node.isMapping() ? mapping(node, makers) : list(node, makers);
+        }
+        return node.text().filter(text -> text.indexOf('{') >= 0 || text.indexOf('}') >= 0)
+                .map(text -> text(node, text)).orElse((values, number) -> node);
+    }
+
+    private static Maker mapping(Node node, List<Maker> makers) {
+        List<String> keys = node.children().stream().map(Node::key).toList();
+        return (values, number) -> {
+            Map<String, Node> fields = LinkedHashMap.newLinkedHashMap(keys.size());
+            for (int i = 0; i < makers.size(); i++) {
+                fields.put(keys.get(i), makers.get(i).make(values, number));
+            }
+            return node.withValue(fields);
+        };
+    }
+
+    private static Maker list(Node node, List<Maker> makers) {
+        return (values, number) -> {
+            List<Node> elements = new ArrayList<>(makers.size());
+            for (Maker maker : makers) {
+                elements.add(maker.make(values, number));
+            }
+            return node.withValue(elements);
+        };
+    }
+
+    private Maker text(Node node, String text) {
+        made++;
+        List<Object> pieces = new ArrayList<>();
+        Matcher piece = PIECE.matcher(text);
+        while (piece.find()) {
+            if (piece.group(3) != null) {
+                problems.add(node, node.label() + ": `" + piece.group(3)
+                        + "` stands alone; a formula is `{…}`, a plain brace is written twice");
+            } else if (piece.group(2) != null) {
+                formula(node, piece.group(2), pieces);
+            } else {
+                pieces.add(piece.group(1) == null ? piece.group() : piece.group().substring(1));
+            }
+        }
+        boolean number = pieces.size() == 1 && pieces.getFirst() instanceof Formula
+                && !node.key().equals("name") && !node.key().equals("parent");
+        return number ? (values, repetition) -> number(node, (Formula) pieces.getFirst(), values,
+                repetition) : (values, repetition) -> joined(node, pieces, values, repetition);
+    }
+
+    private void formula(Node node, String text, List<Object> pieces) {
+        try {
+            pieces.add(Formula.parse(text, variables));
+        } catch (IllegalArgumentException wrong) {
+            problems.add(node, node.label() + ": formula `" + Node.shorten(text) + "` "
+                    + wrong.getMessage());
+        }
+    }
+
+    private Node number(Node node, Formula formula, double[] variableValues, long repetition) {
+        double[] value = value(node, formula, variableValues, repetition);
+        return value.length == 1 ? node.withValue(value[0]) : node.withNumbers(value);
+    }
+
+    private Node joined(Node node, List<Object> pieces, double[] variableValues, long repetition) {
+        var text = new StringBuilder();
+        for (Object piece : pieces) {
+            if (piece instanceof Formula formula) {
+                String gap = "";
+                for (double number : value(node, formula, variableValues, repetition)) {
+                    text.append(gap).append(YamlWriter.Numeral.of(number).text());
+                    gap = " ";
+                }
+            } else {
+                text.append(piece);
+            }
+        }
+        return node.withValue(text.toString());
+    }
+
+    /** Finite numbers; 1 stands in where there is none, so that the rest is still checked. */
+    private double[] value(Node node, Formula formula, double[] variableValues, long repetition) {
+        String wrong;
+        try {
+            double[] value = formula.value(variableValues, repetition);
+            int bad = 0;
+            while (bad < value.length && Double.isFinite(value[bad])) {
+                bad++;
+            }
+            if (bad == value.length) {
+                return value;
+            }
+            wrong = "is " + value[bad];
+        } catch (IllegalArgumentException mismatch) {
+            wrong = mismatch.getMessage();
+        }
+        problems.add(node, node.label() + ": a formula in `" + Node.shorten(node.text().orElse(""))
+                + "` " + wrong + where(variableValues));
+        return new double[] {1};
+    }
+
+    private String where(double[] values) {
+        List<String> where = new ArrayList<>();
+        for (int i = 0; i < values.length; i++) {
+            where.add(variables.get(i) + " = " + YamlWriter.Numeral.of(values[i]).text());
+        }
+        return where.isEmpty() ? "" : " where " + String.join(", ", where);
+    }
+}
