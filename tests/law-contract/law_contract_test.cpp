@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -48,11 +49,18 @@ std::vector<Case> Cases() {
   return cases;
 }
 
+/// How long one check may take; a law that is built with a sanitizer can be a hundred times slower.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+constexpr std::chrono::minutes kLimit{10};
+#else
+constexpr std::chrono::minutes kLimit{1};
+#endif
+
 class LawContract : public ::testing::TestWithParam<Case> {};
 
 TEST_P(LawContract, Keeps) {
   const auto& [check, subject] = GetParam();
-  const CheckOutcome outcome = RunCheck(*check, subject);
+  const CheckOutcome outcome = RunCheck(*check, subject, kLimit);
   EXPECT_NE(outcome.verdict, Verdict::kFail) << check->promise << ": " << outcome.note;
 }
 
