@@ -238,6 +238,21 @@ TYPED_TEST(HookeSpringTest, OrderOfTheSpringsOfAChainChangesNoBit) {
   EXPECT_EQ(chain.position, shuffled.position);
 }
 
+TYPED_TEST(HookeSpringTest, BitsDoNotDependOnTheNumberOfThreads) {
+  const auto start = RandomNetwork<TypeParam>(3000, 12);
+  auto reference = start;
+  for (const uint32_t threads : {1u, 2u, 8u}) {
+    auto scene = start;
+    PhysicsEngine engine = scene.MakeEngine(threads, false);
+    engine.LoadPhysicsLaw("hooke_spring");
+    engine.LoadPhysicsLaw("newton_motion");
+    engine.Advance(1e-3, 20);
+    if (threads == 1) reference = scene;
+    EXPECT_EQ(scene.external_force, reference.external_force) << threads << " threads";
+    EXPECT_EQ(scene.position, reference.position) << threads << " threads";
+  }
+}
+
 TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   for (const bool shuffled : {false, true}) {
     auto scene = Chain<TypeParam>(shuffled);
