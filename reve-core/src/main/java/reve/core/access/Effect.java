@@ -99,8 +99,8 @@ public sealed interface Effect {
         @Override
         public Runnable prepare(ActionCall call) throws ActionRefused {
             try {
-                Object value = SemanticAspect.requireSettable(call.target().name(), symbol,
-                        to.symbol(call));
+                Object value = SemanticAspect.requireSettable(call.world().prototype(),
+                        call.target().name(), symbol, to.symbol(call));
                 return () -> call.target().semantic().set(symbol, value);
             } catch (IllegalArgumentException notASymbol) {
                 throw new ActionRefused("not-a-symbol", notASymbol.getMessage());

@@ -192,7 +192,8 @@ final class ActionReader {
         }
         try {
             return to.scalar()
-                    .map(value -> SemanticAspect.requireSettable(owner.name, symbol, value))
+                    .map(value -> SemanticAspect.requireSettable(physics.prototype(), owner.name,
+                            symbol, value))
                     .map(value -> value instanceof Double number
                             ? new Operand.Numbers(new double[] {number}, Unit.ONE)
                             : new Operand.Symbol(value));

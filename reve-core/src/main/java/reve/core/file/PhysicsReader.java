@@ -27,6 +27,10 @@ final class PhysicsReader {
         this.quantities = new Quantities(problems);
     }
 
+    WorldPrototype prototype() {
+        return prototype;
+    }
+
     /** Takes what an aspect holds, in the order of the file. */
     interface Sink {
         void numbers(String property, double[] values);

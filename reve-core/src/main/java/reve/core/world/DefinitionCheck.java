@@ -30,6 +30,8 @@ final class DefinitionCheck {
             checkName(definition);
             checkKind(definition);
             checkNumbers(definition);
+            definition.symbols().forEach((symbol, value) -> Values.requireSymbol(world.prototype(),
+                    definition.name(), symbol, value));
         }
         definitions.forEach(this::checkReferences);
         definitions.forEach(this::checkParent);

@@ -142,7 +142,7 @@ public final class ItemDefinition {
         return parent;
     }
 
-    /** Designer's symbols: String, Double or Boolean. */
+    /** Designer's symbols: String, Double, Boolean, or a List of such. */
     public Map<String, Object> symbols() {
         return symbols;
     }
@@ -250,7 +250,7 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** A semantic symbol: text, truth or a finite number. */
+        /** A semantic symbol: text, truth, a finite number, or a list of such. */
         public Builder symbol(String symbol, Object value) {
             symbols.put(symbol, Values.requireSymbol(name, symbol, value));
             return this;

@@ -23,23 +23,26 @@ public final class SemanticAspect {
      * Checks a symbol that is to be set later.
      *
      * @param item name of its item, for messages
-     * @return the value as {@link #set} keeps it: text, truth or a Double
+     * @return the value as {@link #set} keeps it: text, truth, a Double or a list of such
      * @throws IllegalArgumentException as {@link #set}
      */
-    public static Object requireSettable(String item, String symbol, Object value) {
-        return Values.requireSymbol(item, symbol, value);
+    public static Object requireSettable(WorldPrototype prototype, String item, String symbol,
+            Object value) {
+        return Values.requireSymbol(prototype, item, symbol, value);
     }
 
     /**
      * Sets a symbol.
      *
-     * @param value String, Boolean or a finite number
+     * @param value String, Boolean, a finite number or a List of such, of the type that the
+     *     prototype declares for the symbol, if it does
      * @throws IllegalArgumentException naming item and symbol for any other value, and for the
      *     symbols that the world derives
      */
     public void set(String symbol, Object value) {
         item.checkedRow();
-        Object checked = requireSettable(item.name(), symbol, value);
+        Object checked = requireSettable(item.world().prototype(), item.name(), symbol,
+                value);
         change(symbol, checked, item.symbols().with(symbol, checked));
     }
 

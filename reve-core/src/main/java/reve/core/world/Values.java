@@ -1,6 +1,7 @@
 package reve.core.world;
 
 import java.util.Arrays;
+import java.util.List;
 
 /** The door that numbers and symbol values pass on their way into a world. */
 final class Values {
@@ -80,13 +81,37 @@ final class Values {
         return unit;
     }
 
-    /** Text, truth or a finite number (as Double). */
+    /** Text, truth, a finite number (as Double), or a list of such; of the type declared for it. */
+    static Object requireSymbol(WorldPrototype prototype, String item, String symbol,
+            Object value) {
+        Object checked = requireSymbol(item, symbol, value);
+        prototype.symbol(symbol).ifPresent(declared -> {
+            if (typeOf(checked) != declared.type()) {
+                throw new IllegalArgumentException(at(item, symbol) + "is " + words(typeOf(checked))
+                        + ", declared as " + words(declared.type()));
+            }
+        });
+        return checked;
+    }
+
+    /** As {@link #requireSymbol(WorldPrototype, String, String, Object)}, of any type. */
     static Object requireSymbol(String item, String symbol, Object value) {
         Names.require("symbol name of item " + item, symbol);
         if (ItemSymbols.DERIVED.contains(symbol)) {
             throw new IllegalArgumentException(at(item, symbol)
                     + "is a symbol that the world derives; it cannot be set");
         }
+        if (!(value instanceof List<?> list)) {
+            return requireSimple(item, symbol, value);
+        }
+        if (list.size() > SymbolDescriptor.MAX_ELEMENTS) {
+            throw new IllegalArgumentException(at(item, symbol) + "has " + list.size()
+                    + " elements, at most " + SymbolDescriptor.MAX_ELEMENTS + " are allowed");
+        }
+        return list.stream().map(element -> requireSimple(item, symbol, element)).toList();
+    }
+
+    private static Object requireSimple(String item, String symbol, Object value) {
         return switch (value) {
             case String text when text.length() > MAX_TEXT ->
                 throw new IllegalArgumentException(at(item, symbol) + "has " + text.length()
@@ -101,7 +126,26 @@ final class Values {
                 yield number.doubleValue();
             }
             default -> throw new IllegalArgumentException(at(item, symbol) + "is a "
-                    + value.getClass().getSimpleName() + ", expected text, truth or a number");
+                    + value.getClass().getSimpleName()
+                    + ", expected text, truth, a number or a list of these");
+        };
+    }
+
+    private static SymbolType typeOf(Object symbol) {
+        return switch (symbol) {
+            case String text -> SymbolType.TEXT;
+            case Boolean truth -> SymbolType.TRUTH;
+            case List<?> list -> SymbolType.LIST;
+            default -> SymbolType.NUMBER;
+        };
+    }
+
+    private static String words(SymbolType type) {
+        return switch (type) {
+            case TEXT -> "a text";
+            case TRUTH -> "a truth value";
+            case LIST -> "a list";
+            case NUMBER -> "a number";
         };
     }
 

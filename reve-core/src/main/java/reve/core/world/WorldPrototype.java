@@ -32,13 +32,16 @@ public final class WorldPrototype {
     private final ScalarType realType;
     private final List<PropertyDescriptor> properties;
     private final List<PropertyDescriptor> physicalProperties;
+    private final List<SymbolDescriptor> symbols;
     private final List<String> kinds;
     private final Map<String, PropertyDescriptor> byName = new HashMap<>();
 
-    private WorldPrototype(String name, ScalarType realType, List<PropertyDescriptor> properties) {
+    private WorldPrototype(String name, ScalarType realType, List<PropertyDescriptor> properties,
+            List<SymbolDescriptor> symbols) {
         this.name = name;
         this.realType = realType;
         this.properties = List.copyOf(properties);
+        this.symbols = List.copyOf(symbols);
         this.physicalProperties = standardPhysical(realType);
         var distinctKinds = new LinkedHashSet<String>();
         for (PropertyDescriptor property : this.properties) {
@@ -61,7 +64,7 @@ public final class WorldPrototype {
             default -> throw new IllegalArgumentException(
                     "prototype \"" + name + "\": expected si-f64 or si-f32");
         };
-        return new WorldPrototype(name, real, standardPhysics(real));
+        return new WorldPrototype(name, real, standardPhysics(real), List.of());
     }
 
     /**
@@ -74,7 +77,7 @@ public final class WorldPrototype {
     public WorldPrototype extendedBy(List<PropertyDescriptor> more) {
         var all = new ArrayList<>(properties);
         all.addAll(more);
-        var extended = new WorldPrototype(name, realType, all);
+        var extended = new WorldPrototype(name, realType, all, symbols);
         for (PropertyDescriptor property : more) {
             property.refersTo().filter(kind -> !extended.kinds.contains(kind)).ifPresent(kind -> {
                 throw new IllegalArgumentException("property " + property.name()
@@ -83,6 +86,24 @@ public final class WorldPrototype {
             });
         }
         return extended;
+    }
+
+    /**
+     * This prototype with the types of semantic symbols; symbols that it does not name may hold
+     * anything.
+     *
+     * @throws IllegalArgumentException if a symbol is declared twice
+     */
+    public WorldPrototype withSymbols(List<SymbolDescriptor> more) {
+        var all = new ArrayList<>(symbols);
+        for (SymbolDescriptor symbol : more) {
+            if (all.stream().anyMatch(other -> other.name().equals(symbol.name()))) {
+                throw new IllegalArgumentException(
+                        "symbol " + symbol.name() + " is declared twice");
+            }
+            all.add(symbol);
+        }
+        return new WorldPrototype(name, realType, properties, all);
     }
 
     public String name() {
@@ -100,6 +121,16 @@ public final class WorldPrototype {
     /** Properties of the physics aspect, standard ones first, in a fixed order. */
     public List<PropertyDescriptor> properties() {
         return properties;
+    }
+
+    /** Semantic symbols whose type is declared, in the order declared. */
+    public List<SymbolDescriptor> symbols() {
+        return symbols;
+    }
+
+    /** What is declared of a semantic symbol. */
+    public Optional<SymbolDescriptor> symbol(String symbolName) {
+        return symbols.stream().filter(symbol -> symbol.name().equals(symbolName)).findFirst();
     }
 
     /** Properties of the physical aspect of {@code body}. */

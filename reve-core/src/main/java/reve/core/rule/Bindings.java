@@ -1,0 +1,46 @@
+package reve.core.rule;
+
+import java.util.HashMap;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.world.Item;
+
+/**
+ * What the names of an expression stand for while it is evaluated: the aspects of an item, and
+ * whatever else its {@link Scope} knows. Numbers are in SI units. World's thread.
+ */
+public final class Bindings {
+    private final Scope scope;
+    private final ItemNames item;
+    private final Map<String, Object> others = new HashMap<>();
+
+    Bindings(Scope scope) {
+        this.scope = scope;
+        this.item = new ItemNames(scope.own());
+    }
+
+    /** From now on, {@code physics}, {@code physical}, {@code semantic} and {@code item} are its. */
+    public Bindings of(Item newItem) {
+        item.of(newItem);
+        return this;
+    }
+
+    /** A value by name: a Double, String, Boolean, or a List of such. */
+    public Bindings with(String name, Object value) {
+        others.put(name, value);
+        return this;
+    }
+
+    /** Another item by name: {@code actor.physics.mass}. */
+    public Bindings withItem(String name, Item other) {
+        ItemNames names = new ItemNames(scope.other());
+        names.of(other);
+        others.put(name, names.asMap());
+        return this;
+    }
+
+    Optional<Object> find(String name) {
+        Object own = item.find(name);
+        return Optional.ofNullable(own != null ? own : others.get(name));
+    }
+}

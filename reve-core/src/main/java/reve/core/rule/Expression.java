@@ -1,0 +1,129 @@
+package reve.core.rule;
+
+import com.google.common.primitives.UnsignedLong;
+import dev.cel.runtime.CelEvaluationException;
+import dev.cel.runtime.CelRuntime;
+import dev.cel.runtime.CelUnknownSet;
+import dev.cel.runtime.CelVariableResolver;
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.List;
+import java.util.Set;
+import java.util.regex.Pattern;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * An expression that was understood. Immutable; evaluated on the world's thread, because what it
+ * reads lives there. Its cost is bounded: it has at most 250 parts, and loops end after 1000 rounds.
+ */
+public final class Expression {
+    private static final Pattern PLACE = Pattern.compile("evaluation error( at <input>:\\d+)?: ");
+
+    private final String text;
+    private final ExpressionType type;
+    private final Set<String> uses;
+    private final CelRuntime.Program program;
+
+    Expression(String text, ExpressionType type, Set<String> uses, CelRuntime.Program program) {
+        this.text = text;
+        this.type = type;
+        this.uses = Collections.unmodifiableSet(uses);
+        this.program = program;
+    }
+
+    /** As it was written. */
+    public String text() {
+        return text;
+    }
+
+    public ExpressionType type() {
+        return type;
+    }
+
+    /** What it reads, in alphabetical order: {@code actor.physics.mass}, {@code semantic.lit}. */
+    public Set<String> uses() {
+        return uses;
+    }
+
+    /**
+     * Its value: a Boolean, a finite Double, a String, or a List of such.
+     *
+     * @throws EvaluationException if it has none: a name stands for nothing (a missing symbol, the
+     *     physics of scenery), an operator does not go with the values, a number is not finite, or
+     *     it takes too long
+     */
+    public Object evaluate(Bindings bindings) throws EvaluationException {
+        try {
+            CelVariableResolver resolver = bindings::find;
+            return value(program.eval(resolver));
+        } catch (CelEvaluationException failed) {
+            throw failed(PLACE.matcher(String.valueOf(failed.getMessage())).replaceFirst(""));
+        }
+    }
+
+    /** The value of a condition; throws as {@link #evaluate}, and if it is not true or false. */
+    public boolean truth(Bindings bindings) throws EvaluationException {
+        if (evaluate(bindings) instanceof Boolean truth) {
+            return truth;
+        }
+        throw failed("is neither true nor false");
+    }
+
+    /** One or several numbers in SI units; throws as {@link #evaluate}, and if it gives others. */
+    public double[] numbers(Bindings bindings, int count) throws EvaluationException {
+        Object value = evaluate(bindings);
+        List<?> list = value instanceof List<?> several ? several : List.of(value);
+        double[] numbers = new double[list.size()];
+        for (int i = 0; i < numbers.length; i++) {
+            if (!(list.get(i) instanceof Double number)) {
+                throw failed("is " + value + ", expected " + expected(count));
+            }
+            numbers[i] = number;
+        }
+        if (numbers.length != count) {
+            throw failed("is " + value + ", expected " + expected(count));
+        }
+        return numbers;
+    }
+
+    private static String expected(int count) {
+        return count == 1 ? "a number" : count + " numbers";
+    }
+
+    private Object value(@Nullable Object raw) throws EvaluationException {
+        return switch (raw) {
+            case Boolean truth -> truth;
+            case String words -> words;
+            case Double number -> finite(number);
+            case Long number -> (double) number;
+            case UnsignedLong number -> number.doubleValue();
+            case List<?> list -> {
+                List<Object> values = new ArrayList<>(list.size());
+                for (Object element : list) {
+                    values.add(value(element));
+                }
+                yield Collections.unmodifiableList(values);
+            }
+            case CelUnknownSet unknown -> throw failed("a symbol that it reads is missing");
+            case null, default -> throw failed("gives "
+                    + (raw == null ? "nothing" : "a " + raw.getClass().getSimpleName())
+                    + ", expected true or false, a number, a text or a list");
+        };
+    }
+
+    private double finite(double number) throws EvaluationException {
+        if (Double.isFinite(number)) {
+            return number;
+        }
+        throw failed("is " + number + ", expected a finite number");
+    }
+
+    private EvaluationException failed(String why) {
+        return new EvaluationException("`" + text + "`: " + why);
+    }
+
+    @Override
+    public String toString() {
+        return text;
+    }
+}

@@ -1,0 +1,152 @@
+package reve.core.rule;
+
+import java.util.AbstractMap;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import java.util.function.Function;
+import java.util.function.Supplier;
+import org.jspecify.annotations.Nullable;
+import reve.core.world.Item;
+import reve.core.world.PropertyDescriptor;
+
+/** An item as expressions see it: maps that read its aspects when they are asked. */
+final class ItemNames {
+    private static final String SYMBOL = KindNames.SEMANTIC + ".";
+
+    private final KindNames kind;
+    private @Nullable Item item;
+    private final Map<String, Object> physics;
+    private final Map<String, Object> physical;
+    private final Map<String, Object> semantic;
+    private final Map<String, Object> self;
+
+    ItemNames(KindNames kind) {
+        this.kind = kind;
+        physics = new View(this::physicsNames, this::physics);
+        physical = new View(() -> kind.physicalNames().keySet(), this::physical);
+        semantic = new View(() -> required().semantic().symbols().keySet(), this::semantic);
+        self = new View(() -> KindNames.ITEM_NAMES, this::self);
+    }
+
+    void of(Item newItem) {
+        item = newItem;
+    }
+
+    /** An aspect, {@code item}, or a declared symbol in full; else null. */
+    @Nullable Object find(String name) {
+        if (name.startsWith(SYMBOL)) {
+            return semantic(name.substring(SYMBOL.length()));
+        }
+        return switch (name) {
+            case KindNames.PHYSICS -> physics;
+            case KindNames.PHYSICAL -> physical;
+            case KindNames.SEMANTIC -> semantic;
+            case KindNames.SELF -> self;
+            default -> null;
+        };
+    }
+
+    /** All aspects under their names, and what else {@code item} has. */
+    Map<String, Object> asMap() {
+        Map<String, Object> map = new LinkedHashMap<>();
+        map.put(KindNames.PHYSICS, physics);
+        map.put(KindNames.PHYSICAL, physical);
+        map.put(KindNames.SEMANTIC, semantic);
+        self.forEach(map::put);
+        return map;
+    }
+
+    private Item required() {
+        Item present = item;
+        if (present == null) {
+            throw new IllegalStateException("no item was given to evaluate for");
+        }
+        return present;
+    }
+
+    private Set<String> physicsNames() {
+        return required().physics().isEmpty() ? Set.of() : kind.physicsNames();
+    }
+
+    private @Nullable Object physics(String name) {
+        PropertyDescriptor property = kind.property(name);
+        if (property == null || required().physics().isEmpty()) {
+            return null;
+        }
+        double scale = property.unit().scale();
+        if (property.components() == 1) {
+            return required().physics().scalar(name) * scale;
+        }
+        return list(required().physics().vector(name), scale);
+    }
+
+    private @Nullable Object physical(String name) {
+        if (!kind.physicalNames().containsKey(name)) {
+            return null;
+        }
+        return switch (name) {
+            case "location" -> list(required().physical().location(), 1);
+            case "orientation" -> list(required().physical().orientation(), 1);
+            case "size" -> list(required().physical().size(), 1);
+            default -> required().physical().colour().toString();
+        };
+    }
+
+    private @Nullable Object semantic(String name) {
+        Object value = required().semantic().get(name).orElse(null);
+        return value instanceof Double number ? kind.toSi(name, number) : value;
+    }
+
+    private @Nullable Object self(String name) {
+        return switch (name) {
+            case "name" -> required().name();
+            case "kind" -> required().kind();
+            default -> null;
+        };
+    }
+
+    private static List<Double> list(double[] numbers, double scale) {
+        List<Double> list = new ArrayList<>(numbers.length);
+        for (double number : numbers) {
+            list.add(number * scale);
+        }
+        return list;
+    }
+
+    /** Asked by the language for one name at a time; walked through only by its macros. */
+    private static final class View extends AbstractMap<String, Object> {
+        private final Supplier<Set<String>> names;
+        private final Function<String, @Nullable Object> values;
+
+        View(Supplier<Set<String>> names,
+                Function<String, @Nullable Object> values) {
+            this.names = names;
+            this.values = values;
+        }
+
+        @Override
+        public @Nullable Object get(@Nullable Object key) {
+            return key instanceof String name ? values.apply(name) : null;
+        }
+
+        @Override
+        public boolean containsKey(@Nullable Object key) {
+            return get(key) != null;
+        }
+
+        @Override
+        public Set<Entry<String, Object>> entrySet() {
+            Map<String, Object> all = new LinkedHashMap<>();
+            for (String name : names.get()) {
+                Object value = values.apply(name);
+                if (value != null) {
+                    all.put(name, value);
+                }
+            }
+            return all.entrySet();
+        }
+    }
+}

@@ -1,0 +1,67 @@
+package reve.core.rule;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import org.jspecify.annotations.Nullable;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.WorldPrototype;
+
+/** Which names the aspects of items of one kind have. Immutable. */
+final class KindNames {
+    static final String PHYSICS = "physics";
+    static final String PHYSICAL = "physical";
+    static final String SEMANTIC = "semantic";
+    static final String SELF = "item";
+    /** What {@code item} has besides its aspects. */
+    static final Set<String> ITEM_NAMES = Set.copyOf(List.of("name", "kind"));
+
+    /** Of the physical aspect, with the number of components; 0 for a text. */
+    private static final Map<String, Integer> PHYSICAL_NAMES =
+            Map.of("location", 3, "orientation", 4, "size", 3, "colour", 0);
+
+    private final String kind;
+    private final Map<String, PropertyDescriptor> properties = new LinkedHashMap<>();
+    private final Map<String, SymbolDescriptor> symbols = new LinkedHashMap<>();
+
+    KindNames(WorldPrototype prototype, String kind) {
+        this.kind = kind;
+        for (PropertyDescriptor property : prototype.properties()) {
+            if (property.kind().equals(kind) && property.type() != ScalarType.REF) {
+                properties.put(property.name(), property);
+            }
+        }
+        prototype.symbols().forEach(symbol -> symbols.put(symbol.name(), symbol));
+    }
+
+    String kind() {
+        return kind;
+    }
+
+    Set<String> physicsNames() {
+        return properties.keySet();
+    }
+
+    @Nullable PropertyDescriptor property(String name) {
+        return properties.get(name);
+    }
+
+    /** Empty for kinds without a place. */
+    Map<String, Integer> physicalNames() {
+        return kind.equals(WorldPrototype.BODY) ? PHYSICAL_NAMES : Map.of();
+    }
+
+    /** Symbols whose type the designer declared. */
+    Map<String, SymbolDescriptor> symbols() {
+        return symbols;
+    }
+
+    /** A symbol's number in SI units, whatever the unit it is kept in. */
+    double toSi(String symbol, double number) {
+        SymbolDescriptor declared = symbols.get(symbol);
+        return declared == null ? number : declared.unit().toSi(number);
+    }
+}

@@ -1,0 +1,218 @@
+package reve.core.rule;
+
+import com.google.common.collect.ImmutableCollection;
+import com.google.common.collect.ImmutableList;
+import com.google.common.collect.ImmutableSet;
+import dev.cel.checker.CelStandardDeclarations;
+import dev.cel.checker.CelStandardDeclarations.StandardFunction;
+import dev.cel.common.CelIssue;
+import dev.cel.common.CelOptions;
+import dev.cel.common.CelValidationException;
+import dev.cel.common.CelValidationResult;
+import dev.cel.common.types.CelType;
+import dev.cel.common.types.CelTypeProvider;
+import dev.cel.common.types.ListType;
+import dev.cel.common.types.MapType;
+import dev.cel.common.types.SimpleType;
+import dev.cel.common.types.StructType;
+import dev.cel.compiler.CelCompiler;
+import dev.cel.compiler.CelCompilerBuilder;
+import dev.cel.compiler.CelCompilerFactory;
+import dev.cel.extensions.CelExtensions;
+import dev.cel.parser.CelStandardMacro;
+import dev.cel.runtime.CelEvaluationException;
+import dev.cel.runtime.CelRuntime;
+import dev.cel.runtime.CelRuntimeFactory;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+import java.util.Set;
+import java.util.TreeSet;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+import reve.core.world.Parameter;
+import reve.core.world.ParameterType;
+import reve.core.world.SymbolType;
+
+/** CEL with the names of one {@link Scope}. Time and bytes, which no world has, are left out. */
+final class Language {
+    /** Longest expression [characters]. */
+    static final int MAX_LENGTH = 1000;
+    /** Most operators, names and constants in one expression. */
+    static final int MAX_PARTS = 250;
+    /** Most rounds of {@code map}, {@code all}, … in one evaluation. */
+    static final int MAX_ROUNDS = 1000;
+
+    private static final CelOptions OPTIONS = CelOptions.current()
+            .enableHeterogeneousNumericComparisons(true)
+            .maxExpressionCodePointSize(MAX_LENGTH)
+            .maxParseExpressionNodeCount(MAX_PARTS)
+            .maxParseRecursionDepth(MAX_PARTS)
+            .comprehensionMaxIterations(MAX_ROUNDS)
+            .build();
+    private static final Set<StandardFunction> LEFT_OUT = Set.of(StandardFunction.TIMESTAMP,
+            StandardFunction.DURATION, StandardFunction.BYTES, StandardFunction.TYPE);
+    private static final CelStandardDeclarations STANDARD =
+            CelStandardDeclarations.newBuilder().excludeFunctions(LEFT_OUT).build();
+    private static final CelRuntime RUNTIME = CelRuntimeFactory.standardCelRuntimeBuilder()
+            .setOptions(OPTIONS).addLibraries(CelExtensions.math())
+            .addFunctionBindings(Functions.bindings()).build();
+    private static final ListType NUMBERS = ListType.create(SimpleType.DOUBLE);
+    private static final Pattern UNDEFINED = Pattern.compile("undefined field '(.*)'");
+    private static final Pattern UNDECLARED =
+            Pattern.compile("undeclared reference to '(.*)' \\(in container ''\\)");
+    private static final Pattern NO_OVERLOAD = Pattern.compile(
+            "found no matching overload for '(.*)' applied to '(.*)'( \\(candidates.*)?");
+
+    private final CelCompiler compiler;
+    private final Set<String> names = new TreeSet<>();
+    private final Map<String, StructType> structs = new LinkedHashMap<>();
+    private String fieldsOfLastStruct = "";
+
+    Language(Scope scope) {
+        CelCompilerBuilder builder = CelCompilerFactory.standardCelCompilerBuilder()
+                .setOptions(OPTIONS).setStandardEnvironmentEnabled(false)
+                .setStandardDeclarations(STANDARD)
+                .setStandardMacros(CelStandardMacro.STANDARD_MACROS)
+                .addLibraries(CelExtensions.math())
+                .addFunctionDeclarations(Functions.declarations());
+        Map<String, CelType> own = aspects("", scope.own());
+        own.put(KindNames.SELF, struct(KindNames.SELF, names()));
+        CelType body = struct("body", body(scope.other()));
+        if (scope.withActor()) {
+            own.put(Scope.ACTOR, body);
+        }
+        for (Parameter parameter : scope.parameters().values()) {
+            own.put(parameter.name(), type(parameter, body));
+        }
+        names.addAll(own.keySet());
+        scope.own().symbols().forEach((name, symbol) ->
+                own.put(KindNames.SEMANTIC + "." + name, type(symbol.type())));
+        own.forEach(builder::addVar);
+        builder.setTypeProvider(new Structs());
+        compiler = builder.build();
+    }
+
+    Expression compile(String text) throws ExpressionException {
+        CelValidationResult result = compiler.compile(text);
+        if (result.hasError()) {
+            CelIssue issue = result.getErrors().getFirst();
+            throw new ExpressionException(offset(text, issue), message(issue.getMessage()));
+        }
+        try {
+            var ast = result.getAst();
+            return new Expression(text, type(ast.getResultType()), Uses.of(ast, names),
+                    RUNTIME.createProgram(ast));
+        } catch (CelValidationException | CelEvaluationException refused) {
+            throw new ExpressionException(0, message(refused.getMessage()));
+        }
+    }
+
+    /** The issue's line and column as characters from the beginning. */
+    private static int offset(String text, CelIssue issue) {
+        int begin = 0;
+        for (int line = 1; line < issue.getSourceLocation().getLine(); line++) {
+            begin = text.indexOf('\n', begin) + 1;
+        }
+        return Math.clamp(begin + issue.getSourceLocation().getColumn(), 0, text.length());
+    }
+
+    private String message(String issue) {
+        Matcher undefined = UNDEFINED.matcher(issue);
+        if (undefined.matches()) {
+            return "unknown name `" + undefined.group(1) + "`; known here: " + fieldsOfLastStruct;
+        }
+        Matcher undeclared = UNDECLARED.matcher(issue);
+        if (undeclared.matches()) {
+            return "unknown name `" + undeclared.group(1) + "`; known are "
+                    + String.join(", ", names);
+        }
+        Matcher overload = NO_OVERLOAD.matcher(issue);
+        return overload.matches() ? "`" + overload.group(1).replace("_", "")
+                + "` does not go with " + overload.group(2) : issue;
+    }
+
+    private static ExpressionType type(CelType type) throws ExpressionException {
+        return switch (type.kind()) {
+            case BOOL -> ExpressionType.TRUTH;
+            case INT, UINT, DOUBLE -> ExpressionType.NUMBER;
+            case STRING -> ExpressionType.TEXT;
+            case LIST -> ExpressionType.LIST;
+            case DYN -> ExpressionType.ANY;
+            default -> throw new ExpressionException(0, "gives a " + type.name()
+                    + ", expected true or false, a number, a text or a list");
+        };
+    }
+
+    private Map<String, CelType> aspects(String owner, KindNames kind) {
+        Map<String, CelType> aspects = new LinkedHashMap<>();
+        Map<String, CelType> physics = new LinkedHashMap<>();
+        for (String name : kind.physicsNames()) {
+            var property = Objects.requireNonNull(kind.property(name));
+            physics.put(name, property.components() == 1 ? SimpleType.DOUBLE : NUMBERS);
+        }
+        aspects.put(KindNames.PHYSICS, struct(owner + KindNames.PHYSICS, physics));
+        if (!kind.physicalNames().isEmpty()) {
+            Map<String, CelType> physical = new LinkedHashMap<>();
+            kind.physicalNames().forEach((name, components) ->
+                    physical.put(name, components == 0 ? SimpleType.STRING : NUMBERS));
+            aspects.put(KindNames.PHYSICAL, struct(owner + KindNames.PHYSICAL, physical));
+        }
+        aspects.put(KindNames.SEMANTIC, MapType.create(SimpleType.STRING, SimpleType.DYN));
+        return aspects;
+    }
+
+    private Map<String, CelType> body(KindNames kind) {
+        Map<String, CelType> fields = aspects("body.", kind);
+        fields.putAll(names());
+        return fields;
+    }
+
+    private static Map<String, CelType> names() {
+        Map<String, CelType> fields = new LinkedHashMap<>();
+        KindNames.ITEM_NAMES.forEach(name -> fields.put(name, SimpleType.STRING));
+        return fields;
+    }
+
+    private StructType struct(String name, Map<String, CelType> fields) {
+        StructType type = StructType.create(name, ImmutableSet.copyOf(fields.keySet()),
+                field -> Optional.ofNullable(fields.get(field)));
+        structs.put(name, type);
+        return type;
+    }
+
+    private static CelType type(Parameter parameter, CelType body) {
+        return switch (parameter.type()) {
+            case NUMBER -> parameter.components() == 1 ? SimpleType.DOUBLE : NUMBERS;
+            case TEXT -> SimpleType.STRING;
+            case TRUTH -> SimpleType.BOOL;
+        };
+    }
+
+    private static CelType type(SymbolType type) {
+        return switch (type) {
+            case NUMBER -> SimpleType.DOUBLE;
+            case TEXT -> SimpleType.STRING;
+            case TRUTH -> SimpleType.BOOL;
+            case LIST -> ListType.create(SimpleType.DYN);
+        };
+    }
+
+    /** Lets the checker look our types up. */
+    private final class Structs implements CelTypeProvider {
+        @Override
+        public ImmutableCollection<CelType> types() {
+            return ImmutableList.copyOf(structs.values());
+        }
+
+        @Override
+        public Optional<CelType> findType(String name) {
+            StructType found = structs.get(name);
+            if (found != null) {
+                fieldsOfLastStruct = String.join(", ", new TreeSet<>(found.fieldNames()));
+            }
+            return Optional.ofNullable(found);
+        }
+    }
+}

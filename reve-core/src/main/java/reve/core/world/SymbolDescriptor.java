@@ -1,0 +1,24 @@
+package reve.core.world;
+
+import reve.core.unit.Unit;
+
+/**
+ * What the designer of a world says of a semantic symbol, wherever it occurs.
+ *
+ * @param unit what a number is in; {@link Unit#ONE} for anything else
+ */
+public record SymbolDescriptor(String name, SymbolType type, Unit unit, String doc) {
+    /** Most elements of a list. */
+    public static final int MAX_ELEMENTS = 64;
+
+    public SymbolDescriptor {
+        Names.require("symbol name", name);
+        if (ItemSymbols.DERIVED.contains(name)) {
+            throw new IllegalArgumentException(
+                    "symbol " + name + " is derived by the world; it cannot be declared");
+        }
+        if (type != SymbolType.NUMBER && !unit.equals(Unit.ONE)) {
+            throw new IllegalArgumentException("symbol " + name + ": only a number has a unit");
+        }
+    }
+}

@@ -1,0 +1,12 @@
+package reve.core.world;
+
+/** What a semantic symbol holds. */
+public enum SymbolType {
+    TEXT,
+    /** One finite number. */
+    NUMBER,
+    /** True or false. */
+    TRUTH,
+    /** Texts, numbers and truth values, at most {@link SymbolDescriptor#MAX_ELEMENTS}. */
+    LIST
+}
