@@ -179,9 +179,13 @@ public final class ItemWriter {
 
     private static Map<String, Object> symbols(Map<String, Object> symbols) {
         Map<String, Object> aspect = new TreeMap<>();
-        symbols.forEach((name, value) -> aspect.put(name,
-                value instanceof Double number ? YamlWriter.Numeral.of(number) : value));
+        symbols.forEach((name, value) -> aspect.put(name, value instanceof List<?> list
+                ? list.stream().map(ItemWriter::symbol).toList() : symbol(value)));
         return aspect;
+    }
+
+    private static Object symbol(Object value) {
+        return value instanceof Double number ? YamlWriter.Numeral.of(number) : value;
     }
 
     private static Map<String, Object> actions(String item, List<Action> actions) {

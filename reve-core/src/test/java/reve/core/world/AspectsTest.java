@@ -229,4 +229,31 @@ class AspectsTest {
                     .withMessageContaining("item ball").withMessageContaining("removed");
         }
     }
+
+    @Test
+    void symbolHasTheTypeThatIsDeclaredForIt() {
+        WorldPrototype declared = WorldPrototype.standard("si-f64").withSymbols(List.of(
+                new SymbolDescriptor("tags", SymbolType.LIST, Unit.ONE, ""),
+                new SymbolDescriptor("limit", SymbolType.NUMBER, Unit.parse("km/h"), "")));
+        World world = new World("declared", declared, new OffHeapArena());
+        Item sign = world.add(ItemDefinition.named("sign").symbol("limit", 30).build());
+
+        sign.semantic().set("tags", List.of("round", 2));
+        assertThat(sign.semantic().get("tags")).contains(List.of("round", 2.0));
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> sign.semantic().set("limit", "fast"))
+                .withMessage("item sign: limit is a text, declared as a number");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> world.add(ItemDefinition.named("other").symbol("tags", 3).build()))
+                .withMessage("item other: tags is a number, declared as a list");
+        assertThat(world.find("other")).isEmpty();
+    }
+
+    @Test
+    void symbolIsDeclaredOnce() {
+        var tags = new SymbolDescriptor("tags", SymbolType.LIST, Unit.ONE, "");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> WorldPrototype.standard("si-f64").withSymbols(List.of(tags, tags)))
+                .withMessageContaining("tags is declared twice");
+    }
 }

@@ -4,6 +4,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 import static org.assertj.core.api.Assertions.within;
 
+import java.util.Collections;
 import java.util.List;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -66,8 +67,11 @@ class ItemDefinitionTest {
                 .withMessageContaining("derives");
         assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("dimensions", 3))
                 .withMessageContaining("derives");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("tags", List.of("a")))
+        assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("tags", List.of(List.of("a"))))
                 .withMessageContaining("tags").withMessageContaining("expected text");
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.symbol("tags", Collections.nCopies(65, "a")))
+                .withMessageContaining("65");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ball.symbol("story", "x".repeat(4097)))
                 .withMessageContaining("4097");
