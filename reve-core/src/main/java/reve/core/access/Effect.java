@@ -1,151 +1,184 @@
 package reve.core.access;
 
+import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import reve.core.unit.Unit;
-import reve.core.world.ActionCall;
-import reve.core.world.ActionRefused;
-import reve.core.world.Colour;
-import reve.core.world.Column;
-import reve.core.world.Item;
-import reve.core.world.ScalarType;
-import reve.core.world.SemanticAspect;
-import reve.core.world.WorldEvent;
+import reve.core.world.ItemDefinition;
 
-/**
- * One thing that a {@link DeclaredAction} does to its item. Effects are checked first and applied
- * afterwards, so that an action happens as a whole.
- */
+/** One thing that an action does to an item, as data. {@link Changes} does it. Immutable. */
 public sealed interface Effect {
-    /** What this effect changes: {@code physics.velocity}, {@code semantic.lit}. */
+    /** What this effect changes: {@code physics.velocity}, {@code semantic.lit of actor}. */
     String changes();
 
-    /**
-     * Everything but the change itself.
-     *
-     * @return the change, which cannot fail
-     * @throws ActionRefused if it cannot be made now
-     */
-    Runnable prepare(ActionCall call) throws ActionRefused;
+    /** The item that it changes. */
+    Subject of();
 
     /** A kick: velocity += impulse / mass. */
-    record Impulse(Operand impulse) implements Effect {
+    record Impulse(Subject of, Operand impulse) implements Effect {
         /** The unit that the operand is asked for in. */
         public static final Unit UNIT = Unit.parse("N*s");
 
-        @Override
-        public String changes() {
-            return "physics.velocity";
+        public Impulse(Operand impulse) {
+            this(Subject.ITEM, impulse);
         }
 
         @Override
-        public Runnable prepare(ActionCall call) throws ActionRefused {
-            Item item = call.target();
-            requirePhysics(item);
-            double mass = item.physics().scalar("mass");
-            if (mass == 0) {
-                throw new ActionRefused("immovable",
-                        item.name() + " has mass 0: no impulse can move it");
+        public String changes() {
+            return "physics.velocity" + of.suffix();
+        }
+    }
+
+    /**
+     * A force beside those of laws.
+     *
+     * @param seconds how long it acts, in whole frames and one frame at least
+     */
+    record Force(Subject of, Operand force, double seconds) implements Effect {
+        /** The unit that the operand is asked for in. */
+        public static final Unit UNIT = Unit.parse("N");
+
+        public Force {
+            if (!(seconds >= 0 && Double.isFinite(seconds))) {
+                throw new IllegalArgumentException(
+                        "a force for " + seconds + " s, expected 0 s or longer");
             }
-            double[] velocity = item.physics().vector("velocity");
-            double[] kick = impulse.numbers(call, UNIT);
-            for (int i = 0; i < velocity.length; i++) {
-                velocity[i] += kick[i] / mass;
-            }
-            return setting(call, "velocity", velocity);
+        }
+
+        @Override
+        public String changes() {
+            return "the force" + of.suffix();
         }
     }
 
     /** Gives a physics property a new value. */
-    record SetProperty(String property, Operand to) implements Effect {
-        @Override
-        public String changes() {
-            return "physics." + property;
+    record SetProperty(Subject of, String property, Operand to) implements Effect {
+        public SetProperty(String property, Operand to) {
+            this(Subject.ITEM, property, to);
         }
 
         @Override
-        public Runnable prepare(ActionCall call) throws ActionRefused {
-            requirePhysics(call.target());
-            Unit unit = column(call, property).unit();
-            return setting(call, property, to.numbers(call, unit));
+        public String changes() {
+            return "physics." + property + of.suffix();
+        }
+    }
+
+    /** Puts the item somewhere else: its location in the world's frame (3) [m]. */
+    record SetLocation(Subject of, Operand to) implements Effect {
+        /** The unit that the operand is asked for in. */
+        public static final Unit UNIT = Unit.parse("m");
+
+        @Override
+        public String changes() {
+            return "physical.location" + of.suffix();
+        }
+    }
+
+    /** Turns the item: a quaternion xyzw (4) of any length but 0. */
+    record SetOrientation(Subject of, Operand to) implements Effect {
+        @Override
+        public String changes() {
+            return "physical.orientation" + of.suffix();
         }
     }
 
     /** Gives the item another colour, {@code #rrggbb} or {@code #rrggbbaa}. */
-    record SetColour(Operand to) implements Effect {
-        @Override
-        public String changes() {
-            return "physical.colour";
+    record SetColour(Subject of, Operand to) implements Effect {
+        public SetColour(Operand to) {
+            this(Subject.ITEM, to);
         }
 
         @Override
-        public Runnable prepare(ActionCall call) throws ActionRefused {
-            try {
-                Colour colour = Colour.parse((String) to.symbol(call));
-                return () -> call.target().physical().setColour(colour);
-            } catch (IllegalArgumentException notAColour) {
-                throw new ActionRefused("not-a-colour", notAColour.getMessage());
-            }
+        public String changes() {
+            return "physical.colour" + of.suffix();
         }
     }
 
     /** Gives a semantic symbol a new value. */
-    record SetSymbol(String symbol, Operand to) implements Effect {
-        @Override
-        public String changes() {
-            return "semantic." + symbol;
+    record SetSymbol(Subject of, String symbol, Operand to) implements Effect {
+        public SetSymbol(String symbol, Operand to) {
+            this(Subject.ITEM, symbol, to);
         }
 
         @Override
-        public Runnable prepare(ActionCall call) throws ActionRefused {
-            try {
-                Object value = SemanticAspect.requireSettable(call.world().prototype(),
-                        call.target().name(), symbol, to.symbol(call));
-                return () -> call.target().semantic().set(symbol, value);
-            } catch (IllegalArgumentException notASymbol) {
-                throw new ActionRefused("not-a-symbol", notASymbol.getMessage());
-            }
+        public String changes() {
+            return "semantic." + symbol + of.suffix();
         }
     }
 
-    /** Tells everybody: fields {@code item}, {@code action} and, if there is one, {@code actor}. */
-    record Raise(String event, String action) implements Effect {
+    /** Makes the item move with another from now on, from where it is. */
+    record Attach(Subject of, Subject to) implements Effect {
+        @Override
+        public String changes() {
+            return STRUCTURE;
+        }
+    }
+
+    /** Lets an attached item be on its own, where it is. */
+    record Detach(Subject of) implements Effect {
+        @Override
+        public String changes() {
+            return STRUCTURE;
+        }
+    }
+
+    /**
+     * Adds an item. Its name is that of the definition, a hyphen, and its id, so that it is never
+     * taken twice.
+     *
+     * @param with what it has other than the definition says, by name: {@code physics.PROPERTY},
+     *     {@code semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or {@code
+     *     physical.colour}
+     */
+    record Create(ItemDefinition definition, Map<String, Operand> with) implements Effect {
+        public Create {
+            with = Collections.unmodifiableMap(new LinkedHashMap<>(with));
+        }
+
+        @Override
+        public Subject of() {
+            return Subject.ITEM;
+        }
+
+        @Override
+        public String changes() {
+            return "the items like " + definition.name();
+        }
+    }
+
+    /** Takes the item out of the world; refused while others refer to it or are attached to it. */
+    record Remove(Subject of) implements Effect {
+        @Override
+        public String changes() {
+            return STRUCTURE;
+        }
+    }
+
+    /**
+     * Tells everybody: fields {@code item}, {@code action}, if there is one {@code actor}, and others.
+     *
+     * @param with texts, numbers and truth values by name
+     */
+    record Raise(String event, String action, Map<String, Operand> with) implements Effect {
+        public Raise {
+            with = Collections.unmodifiableMap(new LinkedHashMap<>(with));
+        }
+
+        public Raise(String event, String action) {
+            this(event, action, Map.of());
+        }
+
+        @Override
+        public Subject of() {
+            return Subject.ITEM;
+        }
+
         @Override
         public String changes() {
             return "event " + event;
         }
-
-        @Override
-        public Runnable prepare(ActionCall call) {
-            Map<String, Object> fields = new LinkedHashMap<>();
-            fields.put("item", call.target().name());
-            fields.put("action", action);
-            call.actor().ifPresent(actor -> fields.put("actor", actor.name()));
-            var raised = new WorldEvent(call.frame(), event, fields);
-            return () -> call.world().raise(raised);
-        }
     }
 
-    private static void requirePhysics(Item item) throws ActionRefused {
-        if (item.physics().isEmpty()) {
-            throw new ActionRefused("no-physics",
-                    item.name() + " is scenery: its physics aspect is empty");
-        }
-    }
-
-    private static Runnable setting(ActionCall call, String property, double[] values)
-            throws ActionRefused {
-        ScalarType type = column(call, property).type();
-        for (double value : values) {
-            if (!type.holds(value)) {
-                throw new ActionRefused("out-of-range", property + " of " + call.target().name()
-                        + " cannot become " + value + ": it holds " + type);
-            }
-        }
-        return () -> call.target().physics().set(property, values);
-    }
-
-    private static Column column(ActionCall call, String property) {
-        return call.world().table(call.target().kind()).column(property);
-    }
+    /** What attaching, detaching and removing change: one of them is enough for one action. */
+    String STRUCTURE = "what is attached or removed";
 }

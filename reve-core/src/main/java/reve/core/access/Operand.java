@@ -1,21 +1,34 @@
 package reve.core.access;
 
+import java.util.List;
+import reve.core.rule.EvaluationException;
+import reve.core.rule.Expression;
 import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
 
 /** Where an effect takes its value from. */
 public sealed interface Operand {
-    /** The number or numbers, in the given unit. */
-    double[] numbers(ActionCall call, Unit unit);
+    /**
+     * The number or numbers, in the given unit.
+     *
+     * @throws ActionRefused if there are none this time
+     */
+    double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused;
 
-    /** The value as a symbol takes it: a text, a number (in its own unit) or a truth value. */
-    Object symbol(ActionCall call);
+    /**
+     * The value as a symbol takes it: a text, a truth value, a list, or a number (of an argument, in
+     * its own unit; of an expression, in SI units).
+     *
+     * @throws ActionRefused if there is none this time
+     */
+    Object symbol(ActionCall call) throws ActionRefused;
 
     /** What the caller gave for a parameter: {@code $impulse}. */
     record Argument(Parameter parameter) implements Operand {
         @Override
-        public double[] numbers(ActionCall call, Unit unit) {
+        public double[] numbers(ActionCall call, int count, Unit unit) {
             double[] numbers = call.arguments().vector(parameter.name());
             for (int i = 0; i < numbers.length; i++) {
                 numbers[i] = parameter.unit().convert(numbers[i], unit);
@@ -27,9 +40,34 @@ public sealed interface Operand {
         public Object symbol(ActionCall call) {
             return switch (parameter.type()) {
                 case NUMBER -> call.arguments().number(parameter.name());
-                case TEXT -> call.arguments().text(parameter.name());
+                case TEXT, ITEM -> call.arguments().text(parameter.name());
                 case TRUTH -> call.arguments().truth(parameter.name());
             };
+        }
+    }
+
+    /** What an expression gives: {@code $physics.temperature + heat}. */
+    record Computed(Expression expression) implements Operand {
+        @Override
+        public double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused {
+            try {
+                double[] numbers = expression.numbers(Names.of(expression, call), count);
+                for (int i = 0; i < numbers.length; i++) {
+                    numbers[i] /= unit.scale();
+                }
+                return numbers;
+            } catch (EvaluationException failed) {
+                throw new ActionRefused("no-value", failed.getMessage());
+            }
+        }
+
+        @Override
+        public Object symbol(ActionCall call) throws ActionRefused {
+            try {
+                return expression.evaluate(Names.of(expression, call));
+            } catch (EvaluationException failed) {
+                throw new ActionRefused("no-value", failed.getMessage());
+            }
         }
     }
 
@@ -45,7 +83,7 @@ public sealed interface Operand {
         }
 
         @Override
-        public double[] numbers(ActionCall call, Unit to) {
+        public double[] numbers(ActionCall call, int count, Unit to) {
             double[] numbers = values();
             for (int i = 0; i < numbers.length; i++) {
                 numbers[i] = unit.convert(numbers[i], to);
@@ -59,16 +97,18 @@ public sealed interface Operand {
         }
     }
 
-    /** The same text or truth value every time. */
+    /** The same text, truth value or list every time. */
     record Symbol(Object value) implements Operand {
         public Symbol {
-            if (!(value instanceof String || value instanceof Boolean)) {
-                throw new IllegalArgumentException(value + " is neither a text nor true or false");
+            if (!(value instanceof String || value instanceof Boolean
+                    || value instanceof List<?>)) {
+                throw new IllegalArgumentException(
+                        value + " is neither a text nor true or false nor a list");
             }
         }
 
         @Override
-        public double[] numbers(ActionCall call, Unit unit) {
+        public double[] numbers(ActionCall call, int count, Unit unit) {
             throw new IllegalStateException("`" + value + "` is not a number");
         }
 

@@ -137,6 +137,7 @@ final class PerceptionEncoder {
                     case NUMBER -> "number";
                     case TEXT -> "text";
                     case TRUTH -> "truth";
+                    case ITEM -> "item";
                 });
                 if (parameter.type() == ParameterType.NUMBER) {
                     json.writeNumberProperty("components", parameter.components());

@@ -4,36 +4,62 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.function.Function;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
+import reve.core.access.ProvidedAction;
+import reve.core.access.Subject;
+import reve.core.access.Terms;
+import reve.core.rule.Expression;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
+import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
-import reve.core.world.ParameterType;
 
 /** Actions as world files declare them; what {@link ActionReader} reads. */
 final class ActionWriter {
-    private ActionWriter() {}
+    private final Function<ItemDefinition, Map<String, Object>> definitions;
+
+    /** @param definitions writes the items that actions create */
+    ActionWriter(Function<ItemDefinition, Map<String, Object>> definitions) {
+        this.definitions = definitions;
+    }
 
     /** @throws IllegalArgumentException naming the action if no world file can declare it */
-    static Map<String, Object> tree(Action action) {
-        if (!(action instanceof DeclaredAction declared)) {
-            throw new IllegalArgumentException("action " + action.name() + " is a "
+    Map<String, Object> tree(Action action) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        if (!action.doc().isEmpty()) {
+            tree.put("doc", action.doc());
+        }
+        switch (action) {
+            case DeclaredAction declared -> {
+                if (!declared.parameters().isEmpty()) {
+                    Map<String, Object> parameters = new LinkedHashMap<>();
+                    declared.parameters().forEach(parameter ->
+                            parameters.put(parameter.name(), parameter(parameter)));
+                    tree.put("parameters", parameters);
+                }
+                putTerms(tree, declared.terms());
+                tree.put("effects", declared.effects().stream().map(this::effect).toList());
+            }
+            case ProvidedAction provided -> {
+                putTerms(tree, provided.terms());
+                tree.put("java", provided.provider().name());
+            }
+            default -> throw new IllegalArgumentException("action " + action.name() + " is a "
                     + action.getClass().getName() + ", which a world file cannot declare");
         }
-        Map<String, Object> tree = new LinkedHashMap<>();
-        if (!declared.doc().isEmpty()) {
-            tree.put("doc", declared.doc());
-        }
-        if (!declared.parameters().isEmpty()) {
-            Map<String, Object> parameters = new LinkedHashMap<>();
-            declared.parameters().forEach(parameter ->
-                    parameters.put(parameter.name(), parameter(parameter)));
-            tree.put("parameters", parameters);
-        }
-        tree.put("effects", declared.effects().stream().map(ActionWriter::effect).toList());
         return tree;
+    }
+
+    private static void putTerms(Map<String, Object> tree, Terms terms) {
+        if (!terms.needs().isEmpty()) {
+            tree.put("needs", terms.needs());
+        }
+        if (!terms.conditions().isEmpty()) {
+            tree.put("when", terms.conditions().stream().map(Expression::text).toList());
+        }
     }
 
     private static Map<String, Object> parameter(Parameter parameter) {
@@ -42,12 +68,19 @@ final class ActionWriter {
             case NUMBER -> { }
             case TEXT -> tree.put("type", "text");
             case TRUTH -> tree.put("type", "truth");
+            case ITEM -> tree.put("type", "item");
         }
-        if (parameter.type() == ParameterType.NUMBER && parameter.components() != 1) {
+        if (parameter.components() != 1) {
             tree.put("components", YamlWriter.Numeral.of(parameter.components()));
         }
         if (!parameter.unit().equals(Unit.ONE)) {
             tree.put("unit", parameter.unit().symbol());
+        }
+        if (parameter.minimum() > Double.NEGATIVE_INFINITY) {
+            tree.put("min", YamlWriter.Numeral.of(parameter.minimum()));
+        }
+        if (parameter.maximum() < Double.POSITIVE_INFINITY) {
+            tree.put("max", YamlWriter.Numeral.of(parameter.maximum()));
         }
         if (!parameter.doc().isEmpty()) {
             tree.put("doc", parameter.doc());
@@ -55,32 +88,61 @@ final class ActionWriter {
         return tree;
     }
 
-    private static Map<String, Object> effect(Effect effect) {
+    private Map<String, Object> effect(Effect effect) {
         Map<String, Object> tree = new LinkedHashMap<>();
+        if (!effect.of().equals(Subject.ITEM)) {
+            tree.put("item", effect.of().name());
+        }
         switch (effect) {
             case Effect.Impulse impulse -> tree.put("impulse", operand(impulse.impulse()));
-            case Effect.SetProperty set -> {
-                tree.put("set", "physics." + set.property());
-                tree.put("to", operand(set.to()));
+            case Effect.Force force -> {
+                tree.put("force", operand(force.force()));
+                if (force.seconds() > 0) {
+                    tree.put("for", YamlWriter.Numeral.of(force.seconds()));
+                }
             }
-            case Effect.SetColour set -> {
-                tree.put("set", "physical.colour");
-                tree.put("to", operand(set.to()));
-            }
+            case Effect.SetProperty set -> putSet(tree, "physics." + set.property(), set.to());
+            case Effect.SetLocation set -> putSet(tree, "physical.location", set.to());
+            case Effect.SetOrientation set -> putSet(tree, "physical.orientation", set.to());
+            case Effect.SetColour set -> putSet(tree, "physical.colour", set.to());
             case Effect.SetSymbol set -> {
                 tree.put("symbol", set.symbol());
                 tree.put("to", operand(set.to()));
             }
-            case Effect.Raise raise -> tree.put("raise", raise.event());
+            case Effect.Attach attach -> tree.put("attach", attach.to().name());
+            case Effect.Detach detach -> tree.put("detach", true);
+            case Effect.Remove remove -> tree.put("remove", true);
+            case Effect.Create create -> {
+                tree.put("create", definitions.apply(create.definition()));
+                putWith(tree, create.with());
+            }
+            case Effect.Raise raise -> {
+                tree.put("raise", raise.event());
+                putWith(tree, raise.with());
+            }
         }
         return tree;
+    }
+
+    private static void putSet(Map<String, Object> tree, String what, Operand to) {
+        tree.put("set", what);
+        tree.put("to", operand(to));
+    }
+
+    private static void putWith(Map<String, Object> tree, Map<String, Operand> with) {
+        if (!with.isEmpty()) {
+            Map<String, Object> values = new LinkedHashMap<>();
+            with.forEach((name, value) -> values.put(name, operand(value)));
+            tree.put("with", values);
+        }
     }
 
     private static Object operand(Operand operand) {
         return switch (operand) {
             case Operand.Argument argument -> "$" + argument.parameter().name();
+            case Operand.Computed computed -> "$" + computed.expression().text();
             case Operand.Numbers numbers -> numbers(numbers.values());
-            case Operand.Symbol symbol -> symbol.value();
+            case Operand.Symbol symbol -> ItemWriter.symbol(symbol.value());
         };
     }
 

@@ -1,7 +1,6 @@
 package reve.core.file;
 
 import java.util.Optional;
-import java.util.function.Consumer;
 
 /** Items as they are written to items as they are meant: completed by prefabs, and repeated. */
 final class Expansion {
@@ -19,6 +18,11 @@ final class Expansion {
         this.folder = source.folder();
         this.values = new Room(problems);
         this.prefabs = new Prefabs(source.all("prefabs"), problems, values);
+    }
+
+    /** Takes items as they are meant. */
+    interface Sink {
+        void accept(Node item) throws WorldFileException;
     }
 
     /** Room for values, which the first item that is too large leaves. */
@@ -46,7 +50,7 @@ final class Expansion {
     }
 
     /** Hands on the item, or all of its repetitions. */
-    void expand(Node item, Consumer<Node> sink) throws WorldFileException {
+    void expand(Node item, Sink sink) throws WorldFileException {
         if (problems.full()) {
             return;
         }
@@ -62,7 +66,7 @@ final class Expansion {
         }
     }
 
-    private void repeat(Node item, Repetition repetition, Consumer<Node> sink)
+    private void repeat(Node item, Repetition repetition, Sink sink)
             throws WorldFileException {
         var template = new Template(item, repetition.variables(), problems);
         values.require(Math.min(repetition.count(), MAX_VALUES) * (1 + template.size()), item);

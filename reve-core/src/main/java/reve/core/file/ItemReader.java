@@ -9,6 +9,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import reve.core.mesh.Assets;
+import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
@@ -17,6 +18,7 @@ import reve.core.world.WorldPrototype;
 /** Reads items with their four aspects, and then what they say about each other. */
 final class ItemReader {
     private final WorldPrototype prototype;
+    private final Completion completion;
     private final Problems problems;
     private final PhysicsReader physics;
     private final PhysicalReader physical;
@@ -27,6 +29,11 @@ final class ItemReader {
     /** Where items name their parents, by the items' names. */
     private final Map<String, Node> parents = new LinkedHashMap<>();
 
+    /** Lays what an item says over what it is like. */
+    interface Completion {
+        Node complete(Node item) throws WorldFileException;
+    }
+
     /** What others may ask about an item. */
     private record Entry(Node name, String kind, boolean hasPhysics) {}
 
@@ -34,12 +41,13 @@ final class ItemReader {
     private record Reference(Node target, String kind, boolean needsPhysics) {}
 
     ItemReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
-            Problems problems) {
+            Completion completion, Problems problems) {
         this.prototype = prototype;
+        this.completion = completion;
         this.problems = problems;
         this.physics = physics;
         this.physical = new PhysicalReader(prototype, physics, assets, problems);
-        this.actions = new ActionReader(physics, problems);
+        this.actions = new ActionReader(physics, this::readCreated, problems);
     }
 
     /** All items under {@code items}, without those that have a problem. */
@@ -77,7 +85,8 @@ final class ItemReader {
     }
 
     /** The body that new agents get; the taker renames it. */
-    ItemDefinition readTemplate(Node template) {
+    ItemDefinition readTemplate(Node description) throws WorldFileException {
+        Node template = completion.complete(description);
         ItemDefinition.Builder item = ItemDefinition.named("agent");
         kind(template).filter(kind -> !kind.equals(WorldPrototype.BODY)).ifPresent(kind ->
                 problems.add(template, "body: is like a " + kind + ", expected a body"));
@@ -86,7 +95,7 @@ final class ItemReader {
     }
 
     /** An item without its world: what it says of others is taken as it is. */
-    Optional<ItemDefinition> readAlone(Node node) {
+    Optional<ItemDefinition> readAlone(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> item = node.get("name")
                 .flatMap(name -> named(name, node, kind.orElse("")));
@@ -98,18 +107,40 @@ final class ItemReader {
         return item.map(ItemDefinition.Builder::build);
     }
 
+    /** An item that actions create, any number of times. */
+    private Optional<ItemDefinition> readCreated(Node description) throws WorldFileException {
+        Node node = completion.complete(description);
+        Optional<String> kind = kind(node);
+        Optional<String> name = node.get("name").flatMap(Node::text);
+        if (kind.isEmpty() || name.isEmpty()) {
+            return Optional.empty();
+        }
+        try {
+            ItemDefinition.Builder item = ItemDefinition.named(name.get()).kind(kind.get());
+            node.get("parent").filter(parent -> parent.text().isPresent()).ifPresent(parent -> {
+                item.parent(parent.text().orElseThrow());
+                references.add(new Reference(parent, WorldPrototype.BODY, false));
+            });
+            readAspects(node, kind.get(), hasPhysics(node), item);
+            requireReferences(node, kind.get());
+            return Optional.of(item.build());
+        } catch (IllegalArgumentException refused) {
+            return refuse(node, refused.getMessage());
+        }
+    }
+
     /** What an item of that kind holds is checked even if its name is wrong. */
-    private Optional<ItemDefinition> read(Node node) {
+    private Optional<ItemDefinition> read(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> named = node.get("name")
                 .flatMap(name -> named(name, node, kind.orElse("")));
         ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
-        kind.ifPresent(known -> {
-            item.kind(known);
-            readParent(node, known, item);
-            readAspects(node, known, hasPhysics(node), item);
-            requireReferences(node, known);
-        });
+        if (kind.isPresent()) {
+            item.kind(kind.get());
+            readParent(node, kind.get(), item);
+            readAspects(node, kind.get(), hasPhysics(node), item);
+            requireReferences(node, kind.get());
+        }
         Optional<ItemDefinition> read = named.map(ItemDefinition.Builder::build);
         read.ifPresent(complete -> refuseMassOfChild(node, complete));
         return read;
@@ -186,7 +217,7 @@ final class ItemReader {
     }
 
     private void readAspects(Node node, String kind, boolean hasPhysics,
-            ItemDefinition.Builder item) {
+            ItemDefinition.Builder item) throws WorldFileException {
         node.get("physical").ifPresent(aspect -> {
             if (kind.equals(WorldPrototype.BODY)) {
                 physical.read(aspect, item);
@@ -197,19 +228,19 @@ final class ItemReader {
         });
         node.get("semantic").ifPresent(aspect -> readSymbols(aspect, item));
         node.get("physics").ifPresent(aspect -> readPhysics(aspect, kind, item));
+        for (Node capability : node.get("capabilities").map(Node::children).orElse(List.of())) {
+            capability.text().ifPresent(item::capability);
+        }
         var owner = new ActionReader.Owner(item.name(), kind, hasPhysics);
         for (Node action : node.get("access").map(Node::children).orElse(List.of())) {
-            actions.read(action, owner).ifPresent(item::action);
+            Optional<Action> read = actions.read(action, owner);
+            read.ifPresent(item::action);
         }
     }
 
     private void readSymbols(Node aspect, ItemDefinition.Builder item) {
         for (Node symbol : aspect.children()) {
-            if (symbol.isList()) {
-                problems.add(symbol, symbol.label() + ": found " + symbol.describe()
-                        + ", expected a text, a number or true or false");
-            }
-            symbol.scalar().ifPresent(value -> {
+            OperandReader.constant(symbol).ifPresent(value -> {
                 try {
                     item.symbol(symbol.key(), value);
                 } catch (IllegalArgumentException refused) {

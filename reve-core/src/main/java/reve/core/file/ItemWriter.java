@@ -51,6 +51,7 @@ public final class ItemWriter {
         putIfAny(tree, "physical", physical);
         putIfAny(tree, "semantic", symbols(item.given()));
         putIfAny(tree, "access", actions(item.name(), item.actions()));
+        putCapabilities(tree, item.capabilities());
         return YamlWriter.write(tree);
     }
 
@@ -81,12 +82,19 @@ public final class ItemWriter {
         putIfAny(tree, "physical", physical(item));
         putIfAny(tree, "semantic", symbols(item.symbols()));
         putIfAny(tree, "access", actions(item.name(), item.actions()));
+        putCapabilities(tree, item.capabilities());
         putIfAny(tree, "physics", physics(item));
     }
 
     private static void putIfAny(Map<String, Object> tree, String key, Map<String, Object> aspect) {
         if (!aspect.isEmpty()) {
             tree.put(key, aspect);
+        }
+    }
+
+    private static void putCapabilities(Map<String, Object> tree, List<String> capabilities) {
+        if (!capabilities.isEmpty()) {
+            tree.put("capabilities", capabilities);
         }
     }
 
@@ -179,20 +187,24 @@ public final class ItemWriter {
 
     private static Map<String, Object> symbols(Map<String, Object> symbols) {
         Map<String, Object> aspect = new TreeMap<>();
-        symbols.forEach((name, value) -> aspect.put(name, value instanceof List<?> list
-                ? list.stream().map(ItemWriter::symbol).toList() : symbol(value)));
+        symbols.forEach((name, value) -> aspect.put(name, symbol(value)));
         return aspect;
     }
 
-    private static Object symbol(Object value) {
-        return value instanceof Double number ? YamlWriter.Numeral.of(number) : value;
+    /** A symbol's value: text, truth, number or a list of such. */
+    static Object symbol(Object value) {
+        return switch (value) {
+            case List<?> list -> list.stream().map(ItemWriter::symbol).toList();
+            case Double number -> YamlWriter.Numeral.of(number);
+            default -> value;
+        };
     }
 
-    private static Map<String, Object> actions(String item, List<Action> actions) {
+    private Map<String, Object> actions(String item, List<Action> actions) {
         Map<String, Object> aspect = new LinkedHashMap<>();
         for (Action action : actions) {
             try {
-                aspect.put(action.name(), ActionWriter.tree(action));
+                aspect.put(action.name(), new ActionWriter(this::tree).tree(action));
             } catch (IllegalArgumentException refused) {
                 throw new IllegalArgumentException("item " + item + ": " + refused.getMessage());
             }

@@ -23,6 +23,7 @@ final class Node {
     private final int column;
     /** A map or list of nodes, String, Long, Double, Boolean, or null for nothing. */
     private final @Nullable Object value;
+    private int textColumn;
 
     private Node(String file, @Nullable Node parent, Object key, int keyLine, int keyColumn,
             int line, int column, @Nullable Object value) {
@@ -34,6 +35,7 @@ final class Node {
         this.line = line;
         this.column = column;
         this.value = value;
+        this.textColumn = column;
     }
 
     /** The outermost value of a file; {@code value} as {@link Slot#fill}. */
@@ -96,6 +98,16 @@ final class Node {
             }
             return node;
         }
+    }
+
+    /** Says that the text does not begin in the column of the value: behind a quote, or below. */
+    void setTextColumn(int newTextColumn) {
+        textColumn = newTextColumn;
+    }
+
+    /** Where the first character of a text stands, -1 if in another line than the value begins. */
+    int textColumn() {
+        return textColumn;
     }
 
     /** The file that the value stands in, as messages call it. */

@@ -56,6 +56,12 @@ final class Problems {
         }
     }
 
+    /** Notes a problem at a character of a text, from 0; of a text in block style, at its start. */
+    void addInText(Node node, int offset, String message) {
+        int column = node.textColumn() < 0 ? node.column() : node.textColumn() + offset;
+        add(problem(node.file(), node.line(), column, node.pointer(), message));
+    }
+
     /** Notes a problem with the key that a node stands under. */
     void addAtKey(Node node, String message) {
         add(problem(node.file(), node.keyLine(), node.keyColumn(), node.pointer(), message));

@@ -108,7 +108,7 @@ final class SchemaCheck {
             case "type" -> "found " + node.describe() + ", expected " + types(rule)
                     + hintForType(rule, node);
             case "const" -> "found " + node.describe() + ", expected " + rule
-                    + ", the format version that is read here";
+                    + (rule.isNumber() ? ", the format version that is read here" : "");
             case "enum" -> "found " + node.describe() + ", expected one of `"
                     + String.join("`, `", strings(rule)) + "`"
                     + node.text().map(text -> Suggestion.of(text, strings(rule))).orElse("");

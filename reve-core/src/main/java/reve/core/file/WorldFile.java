@@ -2,6 +2,7 @@ package reve.core.file;
 
 import java.io.IOException;
 import java.nio.file.Path;
+import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 import reve.core.mesh.AssetFolder;
@@ -65,8 +66,8 @@ public final class WorldFile {
         Node item = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
         SchemaCheck.checkItem(item, problems);
         var physics = new PhysicsReader(prototype, Set.of(), problems);
-        Optional<ItemDefinition> read = new ItemReader(prototype, physics, assets, problems)
-                .readAlone(item);
+        Optional<ItemDefinition> read =
+                new ItemReader(prototype, physics, assets, node -> node, problems).readAlone(item);
         problems.throwIfAny();
         return read.orElseThrow();
     }

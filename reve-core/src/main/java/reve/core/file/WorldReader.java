@@ -32,14 +32,15 @@ final class WorldReader {
         var prototypeReader = new PrototypeReader(problems);
         WorldPrototype prototype = prototypeReader.read(root, source.all("properties"));
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
-        var itemReader = new ItemReader(prototype, physics, assets, problems);
         var expansion = new Expansion(source, problems);
+        var itemReader =
+                new ItemReader(prototype, physics, assets, expansion::complete, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
         List<LawReference> laws = laws(source.all("laws"));
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
         AgentPolicy agents = root.get("agents").isEmpty() ? AgentPolicy.none()
-                : agents(root.get("agents").get(), itemReader, expansion);
+                : agents(root.get("agents").get(), itemReader);
         problems.throwIfAny();
         return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
                 timing(root), laws, constants, camera, agents, items);
@@ -135,12 +136,11 @@ final class WorldReader {
             a[0] * b[1] - a[1] * b[0]};
     }
 
-    private static AgentPolicy agents(Node node, ItemReader itemReader,
-            Expansion expansion)
+    private static AgentPolicy agents(Node node, ItemReader itemReader)
             throws WorldFileException {
         List<String> bodies = node.get("bodies").map(itemReader::readBodies).orElse(List.of());
         Optional<Node> body = node.get("body");
         return new AgentPolicy(bodies, body.isEmpty() ? Optional.empty()
-                : Optional.of(itemReader.readTemplate(expansion.complete(body.get()))));
+                : Optional.of(itemReader.readTemplate(body.get())));
     }
 }

@@ -142,7 +142,10 @@ final class YamlReader {
             waiting = new Node.Slot(open.getLast(), text, mark.getLine() + 1,
                     mark.getColumn() + 1);
         } else {
-            place(scalar, scalar.isPlain() ? resolve(scalar) : text);
+            Node node = place(scalar, scalar.isPlain() ? resolve(scalar) : text);
+            if (!scalar.isPlain()) {
+                node.setTextColumn(scalar.isSQuoted() || scalar.isDQuoted() ? node.column() + 1 : -1);
+            }
         }
     }
 

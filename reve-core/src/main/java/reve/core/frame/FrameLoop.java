@@ -55,6 +55,7 @@ public final class FrameLoop {
         this.event = new FrameEvent(world, timing);
         this.clock = clock;
         this.pacer = new Pacer(timing, pacing, clock);
+        world.forces().setFramesPerSecond(timing.framesPerSecond());
     }
 
     /** Makes one frame at once, without pacing. */
@@ -66,7 +67,9 @@ public final class FrameLoop {
         begunFrame.set(frame);
         dispatch(frame, FramePhase.INTAKE);
         dispatch(frame, FramePhase.ACT);
+        world.forces().apply();
         dispatch(frame, FramePhase.PHYSICS);
+        world.forces().withdraw();
         world.releaseReplacedMemory();
         dispatch(frame, FramePhase.DERIVE);
         publish(frame);

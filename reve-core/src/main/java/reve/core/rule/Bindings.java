@@ -39,6 +39,17 @@ public final class Bindings {
         return this;
     }
 
+    /** What a name in full stands for now: {@code actor.physics.mass}. */
+    public Optional<Object> value(String nameInFull) {
+        String[] parts = nameInFull.split("\\.");
+        Optional<Object> value = find(parts[0]);
+        for (int i = 1; i < parts.length && value.isPresent(); i++) {
+            value = value.get() instanceof Map<?, ?> map ? Optional.ofNullable(map.get(parts[i]))
+                    : Optional.empty();
+        }
+        return value;
+    }
+
     Optional<Object> find(String name) {
         Object own = item.find(name);
         return Optional.ofNullable(own != null ? own : others.get(name));

@@ -8,9 +8,12 @@ import dev.cel.runtime.CelVariableResolver;
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.List;
+import java.util.Map;
 import java.util.Set;
+import java.util.TreeSet;
 import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
+import reve.core.world.Parameter;
 
 /**
  * An expression that was understood. Immutable; evaluated on the world's thread, because what it
@@ -22,9 +25,12 @@ public final class Expression {
     private final String text;
     private final ExpressionType type;
     private final Set<String> uses;
+    private final Scope scope;
     private final CelRuntime.Program program;
 
-    Expression(String text, ExpressionType type, Set<String> uses, CelRuntime.Program program) {
+    Expression(Scope scope, String text, ExpressionType type, Set<String> uses,
+            CelRuntime.Program program) {
+        this.scope = scope;
         this.text = text;
         this.type = type;
         this.uses = Collections.unmodifiableSet(uses);
@@ -43,6 +49,23 @@ public final class Expression {
     /** What it reads, in alphabetical order: {@code actor.physics.mass}, {@code semantic.lit}. */
     public Set<String> uses() {
         return uses;
+    }
+
+    /** The first parts of what it reads, such as {@code actor}. */
+    public Set<String> roots() {
+        Set<String> roots = new TreeSet<>();
+        uses.forEach(name -> roots.add(name.split("\\.", 2)[0]));
+        return roots;
+    }
+
+    /** The parameters of the action that it belongs to, by name. */
+    public Map<String, Parameter> parameters() {
+        return scope.parameters();
+    }
+
+    /** Room for the values of the names that it reads. */
+    public Bindings bindings() {
+        return scope.bindings();
     }
 
     /**

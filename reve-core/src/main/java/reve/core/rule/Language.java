@@ -62,15 +62,19 @@ final class Language {
     private static final Pattern UNDEFINED = Pattern.compile("undefined field '(.*)'");
     private static final Pattern UNDECLARED =
             Pattern.compile("undeclared reference to '(.*)' \\(in container ''\\)");
+    private static final Pattern INPUT =
+            Pattern.compile("(?:mismatched|extraneous) input '(.*?)' expecting.*");
     private static final Pattern NO_OVERLOAD = Pattern.compile(
             "found no matching overload for '(.*)' applied to '(.*)'( \\(candidates.*)?");
 
+    private final Scope scope;
     private final CelCompiler compiler;
     private final Set<String> names = new TreeSet<>();
     private final Map<String, StructType> structs = new LinkedHashMap<>();
     private String fieldsOfLastStruct = "";
 
     Language(Scope scope) {
+        this.scope = scope;
         CelCompilerBuilder builder = CelCompilerFactory.standardCelCompilerBuilder()
                 .setOptions(OPTIONS).setStandardEnvironmentEnabled(false)
                 .setStandardDeclarations(STANDARD)
@@ -102,7 +106,7 @@ final class Language {
         }
         try {
             var ast = result.getAst();
-            return new Expression(text, type(ast.getResultType()), Uses.of(ast, names),
+            return new Expression(scope, text, type(ast.getResultType()), Uses.of(ast, names),
                     RUNTIME.createProgram(ast));
         } catch (CelValidationException | CelEvaluationException refused) {
             throw new ExpressionException(0, message(refused.getMessage()));
@@ -127,6 +131,11 @@ final class Language {
         if (undeclared.matches()) {
             return "unknown name `" + undeclared.group(1) + "`; known are "
                     + String.join(", ", names);
+        }
+        Matcher input = INPUT.matcher(issue);
+        if (input.matches()) {
+            return input.group(1).equals("<EOF>") ? "the expression ends too early"
+                    : "`" + input.group(1) + "` makes no sense here";
         }
         Matcher overload = NO_OVERLOAD.matcher(issue);
         return overload.matches() ? "`" + overload.group(1).replace("_", "")
@@ -187,6 +196,7 @@ final class Language {
             case NUMBER -> parameter.components() == 1 ? SimpleType.DOUBLE : NUMBERS;
             case TEXT -> SimpleType.STRING;
             case TRUTH -> SimpleType.BOOL;
+            case ITEM -> body;
         };
     }
 

@@ -19,6 +19,12 @@ public final class AccessAspect {
         return item.symbols().actions();
     }
 
+    /** What the item, as the body of an agent, can do with others. */
+    public List<String> capabilities() {
+        item.checkedRow();
+        return item.symbols().capabilities();
+    }
+
     public Optional<Action> find(String name) {
         return actions().stream().filter(action -> action.name().equals(name)).findFirst();
     }

@@ -15,6 +15,11 @@ public interface Action {
     /** In the order in which they are documented; names are unique. */
     List<Parameter> parameters();
 
+    /** Capabilities that the body which acts must have, in the order declared; none for anybody. */
+    default List<String> needs() {
+        return List.of();
+    }
+
     /**
      * Does it, in the phase ACT on the world's thread. Either all of it happens or none.
      *

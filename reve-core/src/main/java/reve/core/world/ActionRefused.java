@@ -1,5 +1,7 @@
 package reve.core.world;
 
+import org.jspecify.annotations.Nullable;
+
 /**
  * An action was refused; the world is as it was before. The code is for programs and never
  * changes its meaning, the message is for people.
@@ -10,7 +12,12 @@ public final class ActionRefused extends Exception {
     private final String code;
 
     public ActionRefused(String code, String message) {
-        super(message);
+        this(code, message, null);
+    }
+
+    /** @param cause what went wrong in the action itself, for the log */
+    public ActionRefused(String code, String message, @Nullable Throwable cause) {
+        super(message, cause);
         this.code = code;
     }
 

@@ -24,8 +24,8 @@ public final class Arguments {
      * {@link String} or a {@link Boolean}.
      *
      * @throws ActionRefused with code {@code missing-argument}, {@code unknown-argument},
-     *     {@code wrong-type}, {@code wrong-components} or {@code not-finite}; the message names
-     *     action and parameter and what it takes
+     *     {@code wrong-type}, {@code wrong-components}, {@code not-finite} or
+     *     {@code out-of-range}; the message names action and parameter and what it takes
      */
     public static Arguments check(Action action, Map<String, ?> given) throws ActionRefused {
         var values = new LinkedHashMap<String, Object>();
@@ -56,6 +56,7 @@ public final class Arguments {
         return get(name, double[].class).clone();
     }
 
+    /** A text, or the name of an item, which need not be there. */
     public String text(String name) {
         return get(name, String.class);
     }
@@ -78,7 +79,7 @@ public final class Arguments {
             throws ActionRefused {
         return switch (parameter.type()) {
             case NUMBER -> numbers(action, parameter, argument);
-            case TEXT -> {
+            case TEXT, ITEM -> {
                 if (!(argument instanceof String text)) {
                     throw wrongType(action, parameter, argument);
                 }
@@ -120,6 +121,10 @@ public final class Arguments {
             if (!Double.isFinite(numbers[i])) {
                 throw new ActionRefused("not-finite", subject(action, parameter)
                         + " takes finite numbers, found " + list.get(i));
+            }
+            if (numbers[i] < parameter.minimum() || numbers[i] > parameter.maximum()) {
+                throw new ActionRefused("out-of-range", subject(action, parameter) + " takes "
+                        + parameter.expectation() + ", found " + list.get(i));
             }
         }
         return numbers;

@@ -43,6 +43,7 @@ public final class Column extends ColumnView {
 
     /** As {@link #setDouble}, by an aspect, which notes the change itself. */
     void write(int row, int component, double value) {
+        world.requireEditable();
         long offset = offset(row, component);
         switch (type()) {
             case F64 -> memory.set(DOUBLE, offset, value);
@@ -71,6 +72,7 @@ public final class Column extends ColumnView {
 
     /** As {@link #setInt}, by an aspect, which notes the change itself. */
     void write(int row, int component, int value) {
+        world.requireEditable();
         memory.set(INT, offset(row, component), value);
         version++;
     }
@@ -110,6 +112,7 @@ public final class Column extends ColumnView {
 
     /** References are set by the world only, which counts them. */
     void setReference(int row, int component, long value) {
+        world.requireEditable();
         memory.set(LONG, offset(row, component), value);
         version++;
     }

@@ -3,9 +3,11 @@ package reve.core.world;
 import java.util.ArrayList;
 import java.util.Collections;
 import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import org.jspecify.annotations.Nullable;
 
 /**
@@ -25,6 +27,7 @@ public final class ItemDefinition {
     private final Optional<String> parent;
     private final Map<String, Object> symbols;
     private final List<Action> actions;
+    private final List<String> capabilities;
     private final Map<String, double[]> numbers;
     private final Map<String, List<String>> references;
 
@@ -41,6 +44,7 @@ public final class ItemDefinition {
         parent = Optional.ofNullable(builder.parent);
         symbols = Collections.unmodifiableMap(new LinkedHashMap<>(builder.symbols));
         actions = List.copyOf(builder.actions);
+        capabilities = List.copyOf(builder.capabilities);
         numbers = new LinkedHashMap<>(builder.numbers);
         references = new LinkedHashMap<>(builder.references);
     }
@@ -71,6 +75,7 @@ public final class ItemDefinition {
         });
         now.symbols.putAll(item.symbols().given());
         now.actions.addAll(item.symbols().actions());
+        now.capabilities.addAll(item.symbols().capabilities());
         for (String name : item.physics().properties()) {
             Column column = item.table().physicsColumn(name);
             if (column.type() == ScalarType.REF) {
@@ -89,6 +94,11 @@ public final class ItemDefinition {
 
     /** The same item under another name, for templates. */
     public ItemDefinition renamed(String newName) {
+        return copy(newName).build();
+    }
+
+    /** Begins a definition of another name that has all that this one has. */
+    public Builder copy(String newName) {
         Builder copy = new Builder(newName);
         copy.kind = kind;
         copy.placed = placed;
@@ -100,9 +110,10 @@ public final class ItemDefinition {
         copy.parent = parent.orElse(null);
         copy.symbols.putAll(symbols);
         copy.actions.addAll(actions);
+        copy.capabilities.addAll(capabilities);
         copy.numbers.putAll(numbers);
         copy.references.putAll(references);
-        return copy.build();
+        return copy;
     }
 
     public String name() {
@@ -151,6 +162,11 @@ public final class ItemDefinition {
         return actions;
     }
 
+    /** What the item can do with others, in the order given: {@code grip}. */
+    public List<String> capabilities() {
+        return capabilities;
+    }
+
     /** True if the item takes part in physics, else it is scenery. */
     public boolean hasPhysics() {
         return !numbers.isEmpty() || !references.isEmpty();
@@ -190,6 +206,7 @@ public final class ItemDefinition {
         private @Nullable String parent;
         private final Map<String, Object> symbols = new LinkedHashMap<>();
         private final List<Action> actions = new ArrayList<>();
+        private final Set<String> capabilities = new LinkedHashSet<>();
         private final Map<String, double[]> numbers = new LinkedHashMap<>();
         private final Map<String, List<String>> references = new LinkedHashMap<>();
 
@@ -263,6 +280,12 @@ public final class ItemDefinition {
                         "item " + name + " has two actions named " + action.name());
             }
             actions.add(action);
+            return this;
+        }
+
+        /** Something that the item, as the body of an agent, can do with others: {@code grip}. */
+        public Builder capability(String capability) {
+            capabilities.add(Names.require("capability of item " + name, capability));
             return this;
         }
 

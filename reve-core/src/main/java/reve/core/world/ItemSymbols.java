@@ -13,13 +13,16 @@ import org.pcollections.TreePMap;
  * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.
  *
  * @param material of the whole shape; without it, a mesh shows its own
- * @param given the designer's symbols by name, in alphabetical order: String, Double or Boolean
- * @param actions the access aspect
+ * @param given the designer's symbols by name, in alphabetical order: String, Double, Boolean or a
+ *     List of such
+ * @param derived the symbols that rules give the item, in the same way
+ * @param actions what can be done with the item
+ * @param capabilities what the item can do with others
  * @param attachment what the item moves with, null for nothing
  */
 public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
-        Optional<Material> material, PMap<String, Object> given, List<Action> actions,
-        @Nullable Attachment attachment) {
+        Optional<Material> material, PMap<String, Object> given, PMap<String, Object> derived,
+        List<Action> actions, List<String> capabilities, @Nullable Attachment attachment) {
 
     static final String NAME = "name";
     static final String CLASS = "class";
@@ -30,7 +33,8 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
 
     ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition.name(), definition.kind(), definition.shape(),
-                definition.material(), given(definition.symbols()), definition.actions(), null);
+                definition.material(), given(definition.symbols()), TreePMap.empty(),
+                definition.actions(), definition.capabilities(), null);
     }
 
     /** A designer's symbol, or a standard one: see {@link #symbols()}. */
@@ -39,15 +43,15 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
             case NAME -> Optional.of(name);
             case DIMENSIONS -> shape == Shape.none() ? Optional.empty() : Optional.of(dimensions());
             case CLASS -> Optional.of(given.getOrDefault(CLASS, kind));
-            default -> Optional.ofNullable(given.get(symbol));
+            default -> Optional.ofNullable(given.getOrDefault(symbol, derived.get(symbol)));
         };
     }
 
     /**
      * All symbols: first the standard ones {@code name}, {@code class} (the kind unless the
      * designer says otherwise) and, if the item has a shape, {@code dimensions} (a list of three
-     * extents [m] along its own axes), then the designer's in alphabetical order. A new map each
-     * time.
+     * extents [m] along its own axes), then the designer's and then those of rules, both in
+     * alphabetical order. A new map each time.
      */
     public Map<String, Object> symbols() {
         var all = new LinkedHashMap<String, Object>();
@@ -57,6 +61,7 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
             all.put(DIMENSIONS, dimensions());
         }
         all.putAll(given);
+        derived.forEach(all::putIfAbsent);
         return all;
     }
 
@@ -68,28 +73,39 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
         return with(given.minus(symbol));
     }
 
+    ItemSymbols withDerived(PMap<String, Object> newDerived) {
+        return new ItemSymbols(id, name, kind, shape, material, given, newDerived, actions,
+                capabilities, attachment);
+    }
+
     ItemSymbols renamed(String newName) {
-        return new ItemSymbols(id, newName, kind, shape, material, given, actions, attachment);
+        return new ItemSymbols(id, newName, kind, shape, material, given, derived, actions,
+                capabilities, attachment);
     }
 
     ItemSymbols with(Shape newShape) {
-        return new ItemSymbols(id, name, kind, newShape, material, given, actions, attachment);
+        return new ItemSymbols(id, name, kind, newShape, material, given, derived, actions,
+                capabilities, attachment);
     }
 
     ItemSymbols with(List<Action> newActions) {
-        return new ItemSymbols(id, name, kind, shape, material, given, newActions, attachment);
+        return new ItemSymbols(id, name, kind, shape, material, given, derived, newActions,
+                capabilities, attachment);
     }
 
     ItemSymbols attached(@Nullable Attachment newAttachment) {
-        return new ItemSymbols(id, name, kind, shape, material, given, actions, newAttachment);
+        return new ItemSymbols(id, name, kind, shape, material, given, derived, actions,
+                capabilities, newAttachment);
     }
 
     ItemSymbols with(Optional<Material> newMaterial) {
-        return new ItemSymbols(id, name, kind, shape, newMaterial, given, actions, attachment);
+        return new ItemSymbols(id, name, kind, shape, newMaterial, given, derived, actions,
+                capabilities, attachment);
     }
 
     private ItemSymbols with(PMap<String, Object> newGiven) {
-        return new ItemSymbols(id, name, kind, shape, material, newGiven, actions, attachment);
+        return new ItemSymbols(id, name, kind, shape, material, newGiven, derived, actions,
+                capabilities, attachment);
     }
 
     private List<Double> dimensions() {

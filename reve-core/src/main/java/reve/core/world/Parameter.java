@@ -5,10 +5,13 @@ import reve.core.unit.Unit;
 /**
  * One parameter of an action. All parameters are required.
  *
- * @param components how many numbers it takes; 1 for texts and truth values
- * @param unit what its numbers are in; {@link Unit#ONE} for texts and truth values
+ * @param components how many numbers it takes; 1 for anything else
+ * @param unit what its numbers are in; {@link Unit#ONE} for anything else
+ * @param minimum least number that it takes [unit]; negative infinity for any
+ * @param maximum greatest number that it takes [unit]; infinity for any
  */
-public record Parameter(String name, ParameterType type, int components, Unit unit, String doc) {
+public record Parameter(String name, ParameterType type, int components, Unit unit, double minimum,
+        double maximum, String doc) {
     /** Most numbers in one argument. */
     public static final int MAX_COMPONENTS = 16;
 
@@ -20,10 +23,34 @@ public record Parameter(String name, ParameterType type, int components, Unit un
             throw new IllegalArgumentException("parameter " + name + ": " + components
                     + " components, expected 1 to " + MAX_COMPONENTS);
         }
-        if (type != ParameterType.NUMBER && (components != 1 || !unit.equals(Unit.ONE))) {
+        if (type != ParameterType.NUMBER && (components != 1 || !unit.equals(Unit.ONE)
+                || isBounded(minimum, maximum))) {
             throw new IllegalArgumentException("parameter " + name
-                    + ": only numbers have components and a unit");
+                    + ": only numbers have components, a unit and a range");
         }
+        if (!(minimum <= maximum)) {
+            throw new IllegalArgumentException("parameter " + name + ": no number is from "
+                    + minimum + " to " + maximum);
+        }
+    }
+
+    /** A parameter that takes any number, text or truth value. */
+    public Parameter(String name, ParameterType type, int components, Unit unit, String doc) {
+        this(name, type, components, unit, Double.NEGATIVE_INFINITY, Double.POSITIVE_INFINITY, doc);
+    }
+
+    /** This parameter of numbers within a range [unit]; each component has to be in it. */
+    public Parameter within(double newMinimum, double newMaximum) {
+        return new Parameter(name, type, components, unit, newMinimum, newMaximum, doc);
+    }
+
+    /** Whether there is a least or a greatest number. */
+    public boolean isBounded() {
+        return isBounded(minimum, maximum);
+    }
+
+    private static boolean isBounded(double minimum, double maximum) {
+        return minimum > Double.NEGATIVE_INFINITY || maximum < Double.POSITIVE_INFINITY;
     }
 
     /** One or several numbers in a unit. */
@@ -41,13 +68,28 @@ public record Parameter(String name, ParameterType type, int components, Unit un
         return new Parameter(name, ParameterType.TRUTH, 1, Unit.ONE, doc);
     }
 
+    /** The name of a body. */
+    public static Parameter item(String name, String doc) {
+        return new Parameter(name, ParameterType.ITEM, 1, Unit.ONE, doc);
+    }
+
     /** What this parameter takes, in words: {@code 3 numbers in N*s}. */
     String expectation() {
         return switch (type) {
             case NUMBER -> (components == 1 ? "a number" : components + " numbers")
-                    + (unit.equals(Unit.ONE) ? "" : " in " + unit.symbol());
+                    + (unit.equals(Unit.ONE) ? "" : " in " + unit.symbol()) + range();
             case TEXT -> "a text";
             case TRUTH -> "true or false";
+            case ITEM -> "the name of an item";
         };
+    }
+
+    private String range() {
+        if (!isBounded()) {
+            return "";
+        }
+        return minimum == Double.NEGATIVE_INFINITY ? ", at most " + maximum
+                : maximum == Double.POSITIVE_INFINITY ? ", at least " + minimum
+                        : " from " + minimum + " to " + maximum;
     }
 }

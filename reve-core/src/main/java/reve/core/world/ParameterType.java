@@ -7,5 +7,7 @@ public enum ParameterType {
     /** A text of at most {@link Arguments#MAX_TEXT_LENGTH} characters. */
     TEXT,
     /** True or false. */
-    TRUTH
+    TRUTH,
+    /** The name of a body. */
+    ITEM
 }

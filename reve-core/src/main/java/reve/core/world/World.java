@@ -46,9 +46,11 @@ public final class World {
     private final Hierarchy hierarchy;
     private final References references;
     private final SymbolIndex symbolIndex = new SymbolIndex();
+    private final Forces forces;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private volatile Thread owner = Thread.currentThread();
     private @Nullable String lockedBy;
+    private @Nullable String inspectedBy;
     private long lastId;
     private long layoutVersion;
 
@@ -69,6 +71,7 @@ public final class World {
         tables.forEach(table -> tableByKind.put(table.kind(), table));
         hierarchy = new Hierarchy(table(WorldPrototype.BODY));
         references = new References(tables, items);
+        forces = new Forces(this);
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
         insert(constants.build(), true);
     }
@@ -113,6 +116,11 @@ public final class World {
         return List.copyOf(added);
     }
 
+    /** Throws as {@link #addAll} would now, and adds nothing. */
+    public void requireAddable(List<ItemDefinition> definitions) {
+        new DefinitionCheck(this, definitions).run();
+    }
+
     /**
      * Removes an item.
      *
@@ -121,13 +129,20 @@ public final class World {
      */
     public void remove(ItemId id) {
         Item item = removable(id);
+        requireRemovable(id);
+        delete(item);
+        changes.add(new WorldChange.Removed(id, item.name(), List.of()));
+    }
+
+    /** Throws as {@link #remove} would now for the item's sake, and removes nothing. */
+    public void requireRemovable(ItemId id) {
+        Item item = item(id);
+        requireNotConstants(item, "it stays");
         if (item.referrers > 0 || item.children != null) {
             throw new IllegalArgumentException(item + " cannot be removed: "
                     + references.describeReferrers(item) + " refers to it or is attached to it; "
                     + "remove that first, or remove in cascade");
         }
-        delete(item);
-        changes.add(new WorldChange.Removed(id, item.name(), List.of()));
     }
 
     /**
@@ -170,6 +185,11 @@ public final class World {
         itemsByName.put(newName, item);
         setSymbols(item, item.symbols().renamed(newName));
         changes.add(new WorldChange.Renamed(id, oldName, newName));
+    }
+
+    /** Throws as {@link #attach} would now for the items' sake, and attaches nothing. */
+    public void requireAttachable(ItemId child, ItemId parent) {
+        hierarchy.requireAttachable(item(child), item(parent));
     }
 
     /** As {@link #attach(ItemId, ItemId, Pose)}; the child stays where it is now. */
@@ -247,6 +267,7 @@ public final class World {
         items.values().forEach(item -> itemsByName.put(item.name(), item));
         symbols = image.symbols();
         lastId = image.lastId();
+        forces.restore(image.forces());
         for (int i = 0; i < tables.size(); i++) {
             tables.get(i).restore(image.tables().get(i), id -> item(new ItemId(id)));
         }
@@ -330,7 +351,7 @@ public final class World {
      * frames.
      */
     public void raise(WorldEvent event) {
-        checkOwner();
+        requireEditable();
         events.add(event);
     }
 
@@ -378,6 +399,31 @@ public final class World {
     public void unlockStructure() {
         checkOwner();
         lockedBy = null;
+    }
+
+    /**
+     * Lets somebody look at the world and change nothing: until he is done, every change is refused
+     * with an IllegalStateException that names him.
+     */
+    public <T, E extends Exception> T inspect(String who, Inspection<T, E> inspection) throws E {
+        checkOwner();
+        String outer = inspectedBy;
+        inspectedBy = who;
+        try {
+            return inspection.look();
+        } finally {
+            inspectedBy = outer;
+        }
+    }
+
+    /** What is done by somebody who changes nothing. */
+    public interface Inspection<T, E extends Exception> {
+        T look() throws E;
+    }
+
+    /** Forces on bodies that last for some frames. */
+    public Forces forces() {
+        return forces;
     }
 
     /**
@@ -429,8 +475,17 @@ public final class World {
         return hierarchy;
     }
 
-    long lastId() {
+    /** The highest id that was ever given to an item. */
+    public long lastId() {
         return lastId;
+    }
+
+    void requireEditable() {
+        checkOwner();
+        if (inspectedBy != null) {
+            throw new IllegalStateException(inspectedBy + " may look at world " + name
+                    + ", but not change it");
+        }
     }
 
     void checkOwner() {
@@ -460,6 +515,7 @@ public final class World {
     }
 
     void setSymbols(Item item, ItemSymbols changed) {
+        requireEditable();
         symbolIndex.follow(item, items.containsKey(item.id()) ? item.symbols() : null, changed);
         item.setSymbols(changed);
         symbols = symbols.plus(item.id(), changed);
@@ -589,7 +645,7 @@ public final class World {
     }
 
     private void requireUnlocked(String what) {
-        checkOwner();
+        requireEditable();
         if (lockedBy != null) {
             throw new IllegalStateException("cannot " + what + " of world " + name + " in phase "
                     + lockedBy + ": the structure changes in INTAKE, ACT or between frames only");

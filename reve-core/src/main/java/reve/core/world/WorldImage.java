@@ -19,6 +19,7 @@ public final class WorldImage implements AutoCloseable {
     private final Arena arena = Arena.ofShared();
     private final List<TableCopy> tables;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
+    private List<Forces.Force> forces = List.of();
     private long frame;
     private long lastId;
 
@@ -35,6 +36,7 @@ public final class WorldImage implements AutoCloseable {
             tables.get(i).copyFrom(world.tables().get(i));
         }
         setSymbolic(atFrame, world.lastId(), world.symbols());
+        setForces(world.forces().active());
     }
 
     /** What is no column; for whoever fills the tables from elsewhere. */
@@ -43,6 +45,16 @@ public final class WorldImage implements AutoCloseable {
         frame = atFrame;
         lastId = lastItemId;
         symbols = itemSymbols;
+    }
+
+    /** Forces that have not ended; for whoever fills the tables from elsewhere. */
+    public void setForces(List<Forces.Force> active) {
+        forces = List.copyOf(active);
+    }
+
+    /** Forces that have not ended, in the order in which they were added. */
+    public List<Forces.Force> forces() {
+        return forces;
     }
 
     /** The frame at whose end the world was like this. */

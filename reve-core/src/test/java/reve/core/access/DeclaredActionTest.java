@@ -160,7 +160,7 @@ class DeclaredActionTest {
         assertThatThrownBy(() -> perform(world, "box", List.of(), Map.of(),
                 new Effect.SetSymbol("lit", new Operand.Symbol(true)),
                 new Effect.Raise("two\nlines", "test")))
-                .isInstanceOf(IllegalArgumentException.class).hasMessageContaining("event type");
+                .isInstanceOf(ActionRefused.class).hasMessageContaining("event type");
         assertThat(world.find("box").orElseThrow().semantic().get("lit")).isEmpty();
         assertThat(world.events()).isEmpty();
     }

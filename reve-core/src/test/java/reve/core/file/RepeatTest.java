@@ -198,7 +198,6 @@ class RepeatTest {
                 "world.yaml:8:10: g: formula `` has its end where a number, a name or a bracket "
                         + "is expected",
                 "world.yaml:8:19: h: formula `(i` has its end where `)` is expected",
-                "world.yaml:8:30: k: found a list of 2, expected a text, a number or true or false",
                 "world.yaml:8:47: l: formula `i i` has `i` where the end is expected",
                 "world.yaml:8:59: m: a formula in `{[i, [i, i]]}` has a list where a list takes "
                         + "one number where i = 0");

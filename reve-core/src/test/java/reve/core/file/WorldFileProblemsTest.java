@@ -66,7 +66,7 @@ class WorldFileProblemsTest {
             agents: {}                            ! 9  ! agents: found a mapping, expected at least 1 in it
             agents: {bodies: [on]}                ! 19 ! bodies[0]: no item is named `on`; did you mean `one`?
             agents: {bodies: [one, one]}          ! 24 ! bodies[1]: `one` is listed twice
-            agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, physics
+            agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, capabilities, physics
             properties: [{name: mass, kind: body}]! 21 ! property mass of kind body: the name is already taken by a property of kind body
             properties: [{name: position, kind: lamp}] ! 21 ! property position of kind body: the name is already taken by a property of kind lamp
             properties: [{name: 9a, kind: body}]  ! 21 ! name: found text `9a`, expected a letter, then letters, digits or _, at most 47 in all
@@ -109,22 +109,37 @@ class WorldFileProblemsTest {
             physical: {shape: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1]], triangles: [[0, 1, 2]]} ! 60 ! vertices[2]: found 2 numbers, expected 3 numbers in m
             physical: {shape: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0]], triangles: [[0, 1, 3]]} ! 84 ! triangles[0]: 3.0 is not the number of a vertex, expected 0 to 2
             semantic: {name: x}                         ! 14 ! item one: name is a symbol that the world derives; it cannot be set
-            semantic: {a: [1]}                          ! 17 ! a: found a list of 1, expected a text, a number or true or false
+            semantic: {a: {}}                           ! 17 ! a: found a mapping, expected a text, a number, true or false or a list
+            semantic: {a: [[1]]}                        ! 18 ! a[0]: found a list of 1, expected a text, a number or true or false
             semantic: {'a b': 1}                        ! 14 ! `a b` is not a name; expected a letter, then letters, digits, - or _, at most 64 in all
-            access: {push: {}}                          ! 18 ! push: `effects` is missing
+            access: {push: {}}                          ! 12 ! an action has either `effects` or `java`
             access: {push: {effects: []}}               ! 28 ! effects: found a list of 0, expected at least 1 in it
-            access: {push: {effects: [{}]}}             ! 29 ! effects[0]: an effect is exactly one of `impulse`, `set`, `symbol`, `raise`, found 0
+            access: {push: {effects: [{}]}}             ! 29 ! effects[0]: an effect is exactly one of `impulse`, `force`, `set`, `symbol`, `attach`, `detach`, `create`, `remove`, `raise`, found 0
             access: {push: {effects: [{set: physical.colour}]}} ! 35 ! `set` needs `to`, the new value
             access: {push: {effects: [{raise: x, to: 3}]}}  ! 44 ! `to` does not go with `raise`
             access: {push: {effects: [{impulse: [1, 2, 3]}]}} ! 30 ! the item has no `physics`, so this action could never work
             access: {push: {effects: [{set: physics.mas, to: 1}]}} ! 35 ! unknown physics property `mas` of kind body; did you mean `mass`?
-            access: {push: {effects: [{set: color, to: x}]}} ! 35 ! set: found text `color`, expected physics.PROPERTY or physical.colour
+            access: {push: {effects: [{set: color, to: x}]}} ! 35 ! set: found text `color`, expected physics.PROPERTY, physical.location, physical.orientation or physical.colour
             access: {push: {effects: [{set: physical.colour, to: x}]}} ! 56 ! to: colour "x": expected #rrggbb or #rrggbbaa, for example #c0392b
             access: {push: {effects: [{symbol: dimensions, to: x}]}} ! 38 ! symbol: dimensions is derived by the world and cannot be set
-            access: {push: {effects: [{symbol: a, to: [1]}]}} ! 45 ! to: found a list, a symbol takes a text, a number or a truth value
+            access: {push: {effects: [{symbol: a, to: {b: 1}}]}} ! 45 ! to: found a mapping, expected a number, a text, true or false or a list
             access: {push: {effects: [{symbol: a, to: $x}]}} ! 45 ! to: the action has no parameter `x`
             access: {push: {effects: [{symbol: a, to: 1}, {symbol: a, to: 2}]}} ! 12 ! action push has two effects that change semantic.a
-            access: {push: {parameters: {p: {type: text, unit: m}}, effects: [{symbol: a, to: $p}]}} ! 32 ! parameter p: only numbers have components and a unit
+            access: {push: {parameters: {p: {type: text, unit: m}}, effects: [{symbol: a, to: $p}]}} ! 32 ! parameter p: only numbers have components, a unit and a range
+            access: {push: {java: no.such, effects: [{raise: a}]}} ! 12 ! an action has either `effects` or `java`
+            access: {push: {parameters: {p: {min: 2, max: 1}}, effects: [{raise: a}]}} ! 32 ! parameter p: no number is from 2.0 to 1.0
+            access: {push: {parameters: {physics: {}}, effects: [{raise: a}]}} ! 32 ! parameter physics: the name means something else in expressions; choose another
+            access: {push: {when: physics.masss > 1, effects: [{raise: a}]}} ! 32 ! when: unknown name `masss`; known here: acceleration, angularVelocity, appliedForce, charge, dragCoefficient, externalForce, inertia, linearDragCoefficient, mass, radius, torque, velocity
+            access: {push: {when: ['item.name +'], effects: [{raise: a}]}} ! 38 ! when[0]: the expression ends too early
+            access: {push: {when: physics.mass, effects: [{raise: a}]}} ! 25 ! when: `physics.mass` is a number, expected true or false
+            access: {push: {effects: [{remove: true, to: 1}]}} ! 48 ! `to` does not go with `remove`
+            access: {push: {effects: [{remove: false}]}} ! 38 ! remove: found `false`, expected true
+            access: {push: {effects: [{attach: wall}]}} ! 38 ! attach: found text `wall`, expected `item`, `actor` or the name of a parameter of type item
+            access: {push: {effects: [{detach: true}, {remove: true}]}} ! 12 ! action push has two effects that change what is attached or removed
+            access: {push: {effects: [{raise: a, with: {item: 1}}]}} ! 47 ! every event has the field item already
+            access: {push: {effects: [{create: {name: b}, with: {physics.mas: 1}}]}} ! 69 ! unknown physics property `mas` of kind body; did you mean `mass`?
+            access: {push: {effects: [{create: {name: b, like: c}}]}} ! 54 ! like: there is no prefab `c`
+            access: {push: {effects: [{impulse: 1 0 0}]}} ! 30 ! the item has no `physics`, so this action could never work
             """)
     void refusesInAnItem(String line, int column, String message) {
         assertThat(problems("reve: 1\nname: w\nitems:\n- name: one\n  " + line))
@@ -143,6 +158,12 @@ class WorldFileProblemsTest {
             '{set: physics.mass, to: $speed}'     ! to: $speed has components: 3, expected 1
             '{set: physics.mass, to: true}'       ! to: found `true`, expected numbers
             '{set: physical.colour, to: $mass}'   ! to: a colour is a text, $mass is not
+            '{force: $speed}'                     ! force: unit m/s of $speed does not fit N
+            '{force: 1 0 0, for: -1 s}'           ! for: found -1.0 s, expected 0 s or longer
+            '{set: physics.mass, to: $mass + }'   ! to: the expression ends too early
+            '{set: physics.mass, to: $speed + 1}' ! to: `+` does not go with (list(double), int)
+            '{set: physics.mass, to: "$add(speed, speed)"}' ! to: `add(speed, speed)` is a list, expected a number
+            '{symbol: a, to: $weather == 1}'      ! to: unknown name `weather`; known are actor, impulse, item, mass, physical, physics, semantic, speed, word
             '{symbol: a, to: $speed}'             ! to: a symbol takes one value, $speed has 3
             """)
     void refusesInAnEffect(String effect, String message) {

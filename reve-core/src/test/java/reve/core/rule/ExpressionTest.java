@@ -92,7 +92,7 @@ class ExpressionTest {
     @CsvSource(delimiter = '|', quoteCharacter = '"', value = {
         "physics.temprature > 350    | 7  | unknown name `temprature`",
         "physics.mass > 'heavy'      | 13 | `>` does not go with (double, string)",
-        "physics.mass >              | 14 | mismatched input",
+        "physics.mass >              | 14 | ends too early",
         "weather == 'rain'           | 0  | unknown name `weather`; known are item, physical, physics, semantic",
         "semantic.limit == 'fast'    | 15 | does not go with (double, string)",
         "getHours()                  | 8  | `getHours` does not go with ()",

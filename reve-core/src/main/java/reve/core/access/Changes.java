@@ -1,0 +1,313 @@
+package reve.core.access;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import reve.core.unit.Unit;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Colour;
+import reve.core.world.Forces;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.SemanticAspect;
+import reve.core.world.WorldEvent;
+
+/**
+ * Does the effects of one call, all or none: everything that can fail is checked first, against the
+ * world as it was before. What is removed goes last.
+ */
+final class Changes {
+    private static final String PHYSICS = "physics.";
+    private static final String SEMANTIC = "semantic.";
+
+    private final ActionCall call;
+    private final List<ItemDefinition> created = new ArrayList<>();
+
+    private Changes(ActionCall call) {
+        this.call = call;
+    }
+
+    /**
+     * Effects that cannot be had together.
+     *
+     * @throws IllegalArgumentException naming what two of them change
+     */
+    static void requireCompatible(String action, List<Effect> effects) {
+        Set<String> changed = new HashSet<>();
+        boolean removes = effects.stream().anyMatch(Effect.Remove.class::isInstance);
+        boolean attaches = effects.stream().anyMatch(Effect.Attach.class::isInstance);
+        for (Effect effect : effects) {
+            if (!(effect instanceof Effect.Create) && !changed.add(effect.changes())) {
+                throw new IllegalArgumentException(
+                        "action " + action + " has two effects that change " + effect.changes());
+            }
+            if (removes && effect instanceof Effect.Create create
+                    && (!create.definition().references().isEmpty()
+                            || create.definition().parent().isPresent())) {
+                throw new IllegalArgumentException("action " + action
+                        + " removes an item and creates one that refers to others");
+            }
+            if (attaches && effect instanceof Effect.SetProperty set
+                    && set.property().equals("mass")) {
+                throw new IllegalArgumentException("action " + action
+                        + " attaches an item and sets a mass; what is attached has none");
+            }
+        }
+    }
+
+    /** @throws ActionRefused if one of them cannot be had now; nothing has happened then */
+    static void make(ActionCall call, List<Effect> effects) throws ActionRefused {
+        var changes = new Changes(call);
+        List<Runnable> all = new ArrayList<>();
+        List<Runnable> last = new ArrayList<>();
+        for (Effect effect : effects) {
+            (effect instanceof Effect.Remove ? last : all).add(changes.prepare(effect));
+        }
+        if (!changes.created.isEmpty()) {
+            attempt("cannot-create", () -> call.world().requireAddable(changes.created));
+            call.world().addAll(changes.created);
+        }
+        all.forEach(Runnable::run);
+        last.forEach(Runnable::run);
+    }
+
+    /** Everything but the change itself, which cannot fail. */
+    private Runnable prepare(Effect effect) throws ActionRefused {
+        Item item = effect.of().in(call);
+        return switch (effect) {
+            case Effect.Impulse impulse -> impulse(item, impulse);
+            case Effect.Force force -> force(item, force);
+            case Effect.SetProperty set -> property(item, set);
+            case Effect.SetLocation set -> location(item, set);
+            case Effect.SetOrientation set -> orientation(item, set);
+            case Effect.SetColour set -> {
+                Colour colour = colour(set.to());
+                requireBody(item);
+                yield () -> item.physical().setColour(colour);
+            }
+            case Effect.SetSymbol set -> symbol(item, set);
+            case Effect.Attach attach -> attach(item, attach.to().in(call));
+            case Effect.Detach detach -> detach(item);
+            case Effect.Create create -> create(create);
+            case Effect.Remove remove -> remove(item);
+            case Effect.Raise raise -> raise(raise);
+        };
+    }
+
+    private Runnable impulse(Item item, Effect.Impulse effect) throws ActionRefused {
+        double mass = requireMovable(item, "impulse");
+        double[] velocity = item.physics().vector("velocity");
+        double[] kick = numbers(effect.impulse(), 3, Effect.Impulse.UNIT);
+        for (int i = 0; i < velocity.length; i++) {
+            velocity[i] += kick[i] / mass;
+        }
+        return setting(item, "velocity", velocity);
+    }
+
+    private Runnable force(Item item, Effect.Force effect) throws ActionRefused {
+        requireMovable(item, "force");
+        double[] force = numbers(effect.force(), 3, Effect.Force.UNIT);
+        requireFits(item, column(item, "appliedForce"), force);
+        Forces forces = call.world().forces();
+        var added = new Forces.Force(item.id(), List.of(force[0], force[1], force[2]),
+                forces.frames(effect.seconds()));
+        return () -> forces.add(added);
+    }
+
+    private Runnable property(Item item, Effect.SetProperty effect) throws ActionRefused {
+        requirePhysics(item);
+        PropertyDescriptor column = column(item, effect.property());
+        double[] values = numbers(effect.to(), column.components(), column.unit());
+        if (item.parent().isPresent() && effect.property().equals("mass") && values[0] != 0) {
+            throw new ActionRefused("attached", item.name() + " is attached to "
+                    + item.parent().get().name() + ": its mass stays 0");
+        }
+        return setting(item, effect.property(), values);
+    }
+
+    private Runnable location(Item item, Effect.SetLocation effect) throws ActionRefused {
+        requireBody(item);
+        double[] to = numbers(effect.to(), 3, Effect.SetLocation.UNIT);
+        requireFits(item, call.world().table(item.kind()).column("position").descriptor(), to);
+        return () -> item.physical().setLocation(to[0], to[1], to[2]);
+    }
+
+    private Runnable orientation(Item item, Effect.SetOrientation effect) throws ActionRefused {
+        requireBody(item);
+        double[] to = numbers(effect.to(), 4, Unit.ONE);
+        if (to[0] == 0 && to[1] == 0 && to[2] == 0 && to[3] == 0) {
+            throw new ActionRefused("not-a-rotation",
+                    item.name() + " cannot be turned by the zero quaternion");
+        }
+        return () -> item.physical().setOrientation(to[0], to[1], to[2], to[3]);
+    }
+
+    private Runnable symbol(Item item, Effect.SetSymbol effect) throws ActionRefused {
+        Object value = symbolValue(item.name(), effect.symbol(), effect.to());
+        return () -> item.semantic().set(effect.symbol(), value);
+    }
+
+    private Runnable attach(Item child, Item parent) throws ActionRefused {
+        attempt("cannot-attach",
+                () -> call.world().requireAttachable(child.id(), parent.id()));
+        return () -> call.world().attach(child.id(), parent.id());
+    }
+
+    private Runnable detach(Item item) throws ActionRefused {
+        if (item.parent().isEmpty()) {
+            throw new ActionRefused("not-attached", item.name() + " is not attached to anything");
+        }
+        return () -> call.world().detach(item.id());
+    }
+
+    private Runnable remove(Item item) throws ActionRefused {
+        attempt("cannot-remove", () -> call.world().requireRemovable(item.id()));
+        return () -> call.world().remove(item.id());
+    }
+
+    private Runnable create(Effect.Create effect) throws ActionRefused {
+        long id = call.world().lastId() + created.size() + 1;
+        ItemDefinition.Builder item =
+                effect.definition().copy(effect.definition().name() + "-" + id);
+        for (Map.Entry<String, Operand> given : effect.with().entrySet()) {
+            give(item, effect.definition().kind(), given.getKey(), given.getValue());
+        }
+        created.add(item.build());
+        return () -> { };
+    }
+
+    private void give(ItemDefinition.Builder item, String kind, String name, Operand value)
+            throws ActionRefused {
+        if (name.startsWith(PHYSICS)) {
+            String property = name.substring(PHYSICS.length());
+            PropertyDescriptor column = column(kind, property);
+            item.physics(property, numbers(value, column.components(), column.unit()));
+        } else if (name.startsWith(SEMANTIC)) {
+            String symbol = name.substring(SEMANTIC.length());
+            item.symbol(symbol, symbolValue(item.name(), symbol, value));
+        } else if (name.equals("physical.location")) {
+            double[] at = numbers(value, 3, Effect.SetLocation.UNIT);
+            item.at(at[0], at[1], at[2]);
+        } else if (name.equals("physical.orientation")) {
+            double[] turn = numbers(value, 4, Unit.ONE);
+            attempt("not-a-rotation", () -> item.orientation(turn[0], turn[1], turn[2], turn[3]));
+        } else {
+            item.colour(colour(value).toString());
+        }
+    }
+
+    private Runnable raise(Effect.Raise effect) throws ActionRefused {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("item", call.target().name());
+        fields.put("action", effect.action());
+        call.actor().ifPresent(actor -> fields.put("actor", actor.name()));
+        for (Map.Entry<String, Operand> given : effect.with().entrySet()) {
+            fields.put(given.getKey(), given.getValue().symbol(call));
+        }
+        List<WorldEvent> raised = new ArrayList<>();
+        attempt("no-value",
+                () -> raised.add(new WorldEvent(call.frame(), effect.event(), fields)));
+        return () -> call.world().raise(raised.getFirst());
+    }
+
+    private Runnable setting(Item item, String property, double[] values) throws ActionRefused {
+        requireFits(item, column(item, property), values);
+        return () -> item.physics().set(property, values);
+    }
+
+    private Object symbolValue(String item, String symbol, Operand to) throws ActionRefused {
+        Object value = to.symbol(call);
+        Object[] checked = new Object[1];
+        attempt("not-a-symbol", () -> checked[0] = SemanticAspect.requireSettable(
+                call.world().prototype(), item, symbol, inItsUnit(symbol, to, value)));
+        return checked[0];
+    }
+
+    /** An expression gives SI units; a symbol with a declared unit is kept in that. */
+    private Object inItsUnit(String symbol, Operand to, Object value) {
+        Unit unit = call.world().prototype().symbol(symbol).map(declared -> declared.unit())
+                .orElse(Unit.ONE);
+        return to instanceof Operand.Computed && value instanceof Double number
+                ? number / unit.scale() : value;
+    }
+
+    private Colour colour(Operand to) throws ActionRefused {
+        Object value = to.symbol(call);
+        Colour[] colour = new Colour[1];
+        attempt("not-a-colour", () -> colour[0] = Colour.parse(value.toString()));
+        return colour[0];
+    }
+
+    private static double requireMovable(Item item, String by) throws ActionRefused {
+        requireBody(item);
+        requirePhysics(item);
+        double mass = item.physics().scalar("mass");
+        if (mass == 0) {
+            throw new ActionRefused("immovable",
+                    item.name() + " has mass 0: no " + by + " can move it");
+        }
+        return mass;
+    }
+
+    private static void requireBody(Item item) throws ActionRefused {
+        if (item.physical().isEmpty()) {
+            throw new ActionRefused("not-a-body",
+                    item.name() + " is a " + item.kind() + ", expected a body");
+        }
+    }
+
+    private static void requirePhysics(Item item) throws ActionRefused {
+        if (item.physics().isEmpty()) {
+            throw new ActionRefused("no-physics",
+                    item.name() + " is scenery: its physics aspect is empty");
+        }
+    }
+
+    private static void requireFits(Item item, PropertyDescriptor column, double[] values)
+            throws ActionRefused {
+        ScalarType type = column.type();
+        for (double value : values) {
+            if (!type.holds(value)) {
+                throw new ActionRefused("out-of-range", column.name() + " of " + item.name()
+                        + " cannot become " + value + ": it holds " + type);
+            }
+        }
+    }
+
+    private PropertyDescriptor column(Item item, String property) throws ActionRefused {
+        return column(item.kind(), property);
+    }
+
+    private PropertyDescriptor column(String kind, String property) throws ActionRefused {
+        return call.world().prototype().find(kind, property).orElseThrow(() ->
+                new ActionRefused("no-such-property",
+                        "items of kind " + kind + " have no property " + property));
+    }
+
+    /** So many finite numbers. */
+    private double[] numbers(Operand operand, int count, Unit unit) throws ActionRefused {
+        double[] numbers = operand.numbers(call, count, unit);
+        boolean finite = Arrays.stream(numbers).allMatch(Double::isFinite);
+        if (numbers.length != count || !finite) {
+            throw new ActionRefused("no-value", "found " + Arrays.toString(numbers) + ", expected "
+                    + count + " finite " + (count == 1 ? "number" : "numbers"));
+        }
+        return numbers;
+    }
+
+    /** What the world refuses becomes the action's refusal. */
+    private static void attempt(String code, Runnable check) throws ActionRefused {
+        try {
+            check.run();
+        } catch (IllegalArgumentException refused) {
+            throw new ActionRefused(code, refused.getMessage());
+        }
+    }
+}

@@ -1,0 +1,51 @@
+package reve.core.access;
+
+import java.util.List;
+import java.util.Optional;
+import java.util.ServiceLoader;
+import reve.core.world.Action;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Parameter;
+
+/** An action whose effects an {@link ActionProvider} decides. Immutable. */
+public record ProvidedAction(String name, String doc, Terms terms, ActionProvider provider)
+        implements Action {
+
+    /** The provider of that name on the class path. */
+    public static Optional<ActionProvider> find(String providerName) {
+        return providers().stream().filter(provider -> provider.name().equals(providerName))
+                .findFirst();
+    }
+
+    /** All providers on the class path, in its order. */
+    public static List<ActionProvider> providers() {
+        return ServiceLoader.load(ActionProvider.class).stream()
+                .map(ServiceLoader.Provider::get).toList();
+    }
+
+    @Override
+    public List<Parameter> parameters() {
+        return provider.parameters();
+    }
+
+    @Override
+    public List<String> needs() {
+        return terms.needs();
+    }
+
+    @Override
+    public void perform(ActionCall call) throws ActionRefused {
+        terms.require(this, call);
+        List<Effect> effects;
+        try {
+            effects = List.copyOf(call.world().inspect("action " + provider.name(),
+                    () -> provider.decide(call)));
+            Changes.requireCompatible(name, effects);
+        } catch (RuntimeException | LinkageError | StackOverflowError failed) {
+            throw new ActionRefused("action-failed",
+                    "action " + provider.name() + " failed: " + failed, failed);
+        }
+        Changes.make(call, effects);
+    }
+}

@@ -1,0 +1,61 @@
+package reve.core.access;
+
+import java.util.Optional;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Item;
+import reve.core.world.Parameter;
+import reve.core.world.ParameterType;
+
+/**
+ * Which item an effect is about.
+ *
+ * @param name {@code item}, {@code actor}, or that of a parameter that takes an item
+ */
+public record Subject(String name) {
+    /** The item whose action it is. */
+    public static final Subject ITEM = new Subject("item");
+    /** The body that acts. */
+    public static final Subject ACTOR = new Subject("actor");
+
+    /** The item that the caller names. */
+    public static Subject argument(Parameter parameter) {
+        if (parameter.type() != ParameterType.ITEM) {
+            throw new IllegalArgumentException(
+                    "parameter " + parameter.name() + " takes no item, but a " + parameter.type());
+        }
+        return new Subject(parameter.name());
+    }
+
+    /** @throws ActionRefused with code {@code no-actor}, {@code no-such-item} or {@code not-a-body} */
+    Item in(ActionCall call) throws ActionRefused {
+        if (equals(ITEM)) {
+            return call.target();
+        }
+        if (equals(ACTOR)) {
+            return call.actor().orElseThrow(() -> new ActionRefused("no-actor",
+                    "the action needs somebody who does it, with a body in the world"));
+        }
+        return named(call, name);
+    }
+
+    /** The body that an argument names. */
+    static Item named(ActionCall call, String parameter) throws ActionRefused {
+        String wanted = call.arguments().text(parameter);
+        Optional<Item> found = call.world().find(wanted);
+        if (found.isEmpty()) {
+            throw new ActionRefused("no-such-item",
+                    "`" + parameter + "`: the world has no item " + wanted);
+        }
+        if (found.get().physical().isEmpty()) {
+            throw new ActionRefused("not-a-body", "`" + parameter + "`: " + wanted + " is a "
+                    + found.get().kind() + ", expected a body");
+        }
+        return found.get();
+    }
+
+    /** {@code " of actor"}; nothing for the item itself. */
+    String suffix() {
+        return equals(ITEM) ? "" : " of " + name;
+    }
+}

@@ -1,0 +1,78 @@
+package reve.core.access;
+
+import java.util.ArrayList;
+import java.util.List;
+import reve.core.rule.Bindings;
+import reve.core.rule.EvaluationException;
+import reve.core.rule.Expression;
+import reve.core.world.Action;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+
+/**
+ * On which terms an action may be performed. Immutable.
+ *
+ * @param needs capabilities that the body which acts must have
+ * @param conditions what must be true, all of it
+ */
+public record Terms(List<String> needs, List<Expression> conditions) {
+    /** By anybody, at any time. */
+    public static final Terms NONE = new Terms(List.of(), List.of());
+
+    public Terms {
+        needs = List.copyOf(needs);
+        conditions = List.copyOf(conditions);
+    }
+
+    /**
+     * Checks them for one call.
+     *
+     * @throws ActionRefused with code {@code not-capable}, naming the capabilities that the actor
+     *     lacks, or {@code condition-failed}, naming the condition and what was found
+     */
+    void require(Action action, ActionCall call) throws ActionRefused {
+        if (!needs.isEmpty()) {
+            requireCapable(action, call);
+        }
+        for (Expression condition : conditions) {
+            require(condition, call);
+        }
+    }
+
+    private void requireCapable(Action action, ActionCall call) throws ActionRefused {
+        List<String> has = Subject.ACTOR.in(call).access().capabilities();
+        List<String> lacks = needs.stream().filter(need -> !has.contains(need)).toList();
+        if (!lacks.isEmpty()) {
+            throw new ActionRefused("not-capable", "action " + action.name() + " of "
+                    + call.target().name() + " needs the capability " + quoted(lacks) + "; "
+                    + Subject.ACTOR.in(call).name() + " has "
+                    + (has.isEmpty() ? "none" : "only " + quoted(has)));
+        }
+    }
+
+    private static void require(Expression condition, ActionCall call) throws ActionRefused {
+        Bindings names = Names.of(condition, call);
+        try {
+            if (!condition.truth(names)) {
+                throw new ActionRefused("condition-failed", "`" + condition.text()
+                        + "` does not hold: " + found(condition, names));
+            }
+        } catch (EvaluationException failed) {
+            throw new ActionRefused("condition-failed", failed.getMessage());
+        }
+    }
+
+    /** {@code physics.temperature is 380.0, semantic.lit is missing}. */
+    private static String found(Expression condition, Bindings names) {
+        List<String> found = new ArrayList<>();
+        for (String name : condition.uses()) {
+            found.add(name + " is "
+                    + names.value(name).map(Object::toString).orElse("missing"));
+        }
+        return found.isEmpty() ? "it never does" : String.join(", ", found);
+    }
+
+    private static String quoted(List<String> names) {
+        return "`" + String.join("`, `", names) + "`";
+    }
+}

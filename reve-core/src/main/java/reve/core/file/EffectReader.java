@@ -1,0 +1,294 @@
+package reve.core.file;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.access.Effect;
+import reve.core.access.Operand;
+import reve.core.access.Subject;
+import reve.core.file.ActionReader.Definitions;
+import reve.core.file.ActionReader.Owner;
+import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Parameter;
+import reve.core.world.ParameterType;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
+
+/** Reads the effects of one action. */
+final class EffectReader {
+    private static final List<String> EFFECTS = List.of("impulse", "force", "set", "symbol",
+            "attach", "detach", "create", "remove", "raise");
+    /** Keys that go with some effects only, and with which. */
+    private static final Map<String, List<String>> COMPANIONS = Map.of(
+            "to", List.of("set", "symbol"), "for", List.of("force"),
+            "with", List.of("create", "raise"),
+            "item", List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
+    /** What the server itself tells agents, and those who start it and read its output. */
+    private static final List<String> OWN_EVENTS = List.of("joined", "left", "acted",
+            "law-loaded", "law-unloaded", "fault", "ready", "snapshot", "snapshot-failed", "end");
+    private static final List<String> OWN_FIELDS = List.of("item", "action", "actor");
+    private static final String PHYSICAL = "physical.";
+    private static final String LOCATION = "physical.location";
+    private static final String ORIENTATION = "physical.orientation";
+    private static final String COLOUR = "physical.colour";
+    private static final String PHYSICS = "physics.";
+    private static final String SEMANTIC = "semantic.";
+    private static final Unit SECOND = Unit.parse("s");
+
+    private final String action;
+    private final Owner owner;
+    private final PhysicsReader physics;
+    private final OperandReader operands;
+    private final Definitions definitions;
+    private final Problems problems;
+
+    EffectReader(String action, Owner owner, PhysicsReader physics, OperandReader operands,
+            Definitions definitions, Problems problems) {
+        this.action = action;
+        this.owner = owner;
+        this.physics = physics;
+        this.operands = operands;
+        this.definitions = definitions;
+        this.problems = problems;
+    }
+
+    Optional<Effect> read(Node node) throws WorldFileException {
+        List<Node> given = EFFECTS.stream().map(node::get).flatMap(Optional::stream).toList();
+        if (given.size() != 1) {
+            if (node.isMapping()) {
+                problems.add(node, node.label() + ": an effect is exactly one of `"
+                        + String.join("`, `", EFFECTS) + "`, found " + given.size());
+            }
+            return Optional.empty();
+        }
+        Node what = given.getFirst();
+        if (!companionsFit(node, what)) {
+            return Optional.empty();
+        }
+        Optional<Subject> of = node.get("item").isEmpty() ? Optional.of(Subject.ITEM)
+                : subject(node.get("item").get());
+        return of.isEmpty() ? Optional.empty() : read(node, what, of.get(),
+                of.get().equals(Subject.ITEM) ? owner : someBody(of.get()));
+    }
+
+    /** Actors, and items that are given as arguments, may have everything that bodies have. */
+    private static Owner someBody(Subject subject) {
+        return new Owner(subject.name(), WorldPrototype.BODY, true);
+    }
+
+    private boolean companionsFit(Node node, Node what) {
+        for (Map.Entry<String, List<String>> companion : COMPANIONS.entrySet()) {
+            Optional<Node> given = node.get(companion.getKey());
+            if (given.isPresent() && !companion.getValue().contains(what.key())) {
+                problems.add(given.get(), "`" + companion.getKey() + "` does not go with `"
+                        + what.key() + "`");
+                return false;
+            }
+        }
+        if (COMPANIONS.get("to").contains(what.key()) && node.get("to").isEmpty()) {
+            problems.add(what, "`" + what.key() + "` needs `to`, the new value");
+            return false;
+        }
+        return true;
+    }
+
+    private Optional<Effect> read(Node node, Node what, Subject of, Owner whose)
+            throws WorldFileException {
+        return switch (what.key()) {
+            case "impulse" -> vector(what, whose, Effect.Impulse.UNIT)
+                    .map(impulse -> new Effect.Impulse(of, impulse));
+            case "force" -> force(node, what, of, whose);
+            case "set" -> set(what, node.get("to").orElseThrow(), of, whose);
+            case "symbol" -> symbol(what, node.get("to").orElseThrow(), of, whose);
+            case "attach" -> requireBody(what, whose) ? subject(what)
+                    .map(to -> new Effect.Attach(of, to)) : Optional.empty();
+            case "detach" -> requireBody(what, whose) ? Optional.of(new Effect.Detach(of))
+                    : Optional.empty();
+            case "remove" -> Optional.of(new Effect.Remove(of));
+            case "create" -> create(node, what);
+            default -> raise(node, what);
+        };
+    }
+
+    /** {@code item}, {@code actor}, or a parameter that takes an item. */
+    private Optional<Subject> subject(Node node) {
+        String name = node.text().orElse("");
+        if (name.equals(Subject.ITEM.name()) || name.equals(Subject.ACTOR.name())) {
+            return Optional.of(new Subject(name));
+        }
+        Optional<Parameter> parameter = operands.parameters().get(name);
+        if (parameter == null || parameter.isPresent()
+                && parameter.get().type() != ParameterType.ITEM) {
+            problems.add(node, node.label() + ": found " + node.describe()
+                    + ", expected `item`, `actor` or the name of a parameter of type item");
+            return Optional.empty();
+        }
+        return parameter.map(Subject::argument);
+    }
+
+    private Optional<Operand> vector(Node node, Owner whose, Unit unit) {
+        if (!whose.kind().equals(WorldPrototype.BODY)) {
+            problems.addAtKey(node, "only bodies take " + (node.key().equals("impulse") ? "an " : "a ")
+                    + node.key() + ", this is a " + whose.kind());
+            return Optional.empty();
+        }
+        return requirePhysics(node, whose) ? operands.numbers(node, 3, unit, ScalarType.F64)
+                : Optional.empty();
+    }
+
+    private Optional<Effect> force(Node node, Node what, Subject of, Owner whose) {
+        Optional<Operand> force = vector(what, whose, Effect.Force.UNIT);
+        double seconds = 0;
+        if (node.get("for").isPresent()) {
+            Node time = node.get("for").get();
+            Optional<Double> given = new Quantities(problems).number(time, SECOND);
+            if (given.isEmpty()) {
+                return Optional.empty();
+            }
+            seconds = given.get();
+            if (seconds < 0) {
+                problems.add(time, "for: found " + seconds + " s, expected 0 s or longer");
+                return Optional.empty();
+            }
+        }
+        double lasting = seconds;
+        return force.map(newtons -> new Effect.Force(of, newtons, lasting));
+    }
+
+    private Optional<Effect> set(Node what, Node to, Subject of, Owner whose) {
+        String target = what.text().orElse("");
+        boolean body = whose.kind().equals(WorldPrototype.BODY);
+        if (target.startsWith(PHYSICS)) {
+            return property(what, target.substring(PHYSICS.length()), whose)
+                    .filter(property -> requirePhysics(what, whose))
+                    .flatMap(property -> numbers(to, property).map(operand ->
+                            new Effect.SetProperty(of, property.name(), operand)));
+        }
+        return switch (body ? target : "") {
+            case COLOUR -> operands.colour(to).map(operand -> new Effect.SetColour(of, operand));
+            case LOCATION -> operands.numbers(to, 3, Effect.SetLocation.UNIT, real())
+                    .map(operand -> new Effect.SetLocation(of, operand));
+            case ORIENTATION -> operands.numbers(to, 4, Unit.ONE, real())
+                    .map(operand -> new Effect.SetOrientation(of, operand));
+            default -> {
+                problems.add(what, "set: found " + what.describe() + ", expected physics.PROPERTY"
+                        + (body ? ", " + String.join(", ", LOCATION, ORIENTATION) + " or "
+                                + COLOUR : ""));
+                yield Optional.empty();
+            }
+        };
+    }
+
+    private ScalarType real() {
+        return physics.prototype().realType();
+    }
+
+    /** A numeric property. */
+    private Optional<PropertyDescriptor> property(Node where, String name, Owner whose) {
+        return physics.find(where, name, whose.kind()).filter(property -> {
+            if (property.type() == ScalarType.REF) {
+                problems.add(where, where.label() + ": " + property.name()
+                        + " refers to an item, which an action cannot change");
+            }
+            return property.type() != ScalarType.REF;
+        });
+    }
+
+    private Optional<Operand> numbers(Node node, PropertyDescriptor property) {
+        return operands.numbers(node, property.components(), property.unit(), property.type());
+    }
+
+    private boolean requirePhysics(Node node, Owner whose) {
+        if (!whose.hasPhysics()) {
+            problems.addAtKey(node, "the item has no `physics`, so this action could never work");
+        }
+        return whose.hasPhysics();
+    }
+
+    private boolean requireBody(Node node, Owner whose) {
+        boolean body = whose.kind().equals(WorldPrototype.BODY);
+        if (!body) {
+            problems.addAtKey(node, "only bodies are attached to each other, this is a "
+                    + whose.kind());
+        }
+        return body;
+    }
+
+    private Optional<Effect> symbol(Node what, Node to, Subject of, Owner whose) {
+        Optional<String> name = what.text();
+        if (name.isEmpty() || !isSettable(what, name.get())) {
+            return Optional.empty();
+        }
+        return operands.symbol(to, whose.name(), name.get())
+                .map(operand -> new Effect.SetSymbol(of, name.get(), operand));
+    }
+
+    private boolean isSettable(Node node, String symbol) {
+        boolean derived = ItemSymbols.DERIVED.contains(symbol);
+        if (derived) {
+            problems.add(node, node.label() + ": " + symbol
+                    + " is derived by the world and cannot be set");
+        }
+        return !derived;
+    }
+
+    private Optional<Effect> create(Node node, Node what) throws WorldFileException {
+        Optional<ItemDefinition> definition = definitions.read(what);
+        Map<String, Operand> with = new LinkedHashMap<>();
+        for (Node value : node.get("with").map(Node::children).orElse(List.of())) {
+            definition.flatMap(item -> part(value, item))
+                    .ifPresent(operand -> with.put(value.key(), operand));
+        }
+        return definition.map(item -> new Effect.Create(item, with));
+    }
+
+    /** What a created item has other than its definition says. */
+    private Optional<Operand> part(Node value, ItemDefinition item) {
+        var whose = new Owner(item.name(), item.kind(), true);
+        String name = value.key();
+        if (name.startsWith(PHYSICS)) {
+            return property(value, name.substring(PHYSICS.length()), whose)
+                    .flatMap(property -> numbers(value, property));
+        }
+        if (name.startsWith(SEMANTIC)) {
+            String symbol = name.substring(SEMANTIC.length());
+            return isSettable(value, symbol) ? operands.symbol(value, item.name(), symbol)
+                    : Optional.empty();
+        }
+        return switch (item.kind().equals(WorldPrototype.BODY) ? name : "") {
+            case LOCATION -> operands.numbers(value, 3, Effect.SetLocation.UNIT, real());
+            case ORIENTATION -> operands.numbers(value, 4, Unit.ONE, real());
+            case COLOUR -> operands.colour(value);
+            default -> {
+                problems.addAtKey(value, "found `" + Node.shorten(name) + "`, expected "
+                        + PHYSICS + "PROPERTY, " + SEMANTIC + "SYMBOL, or of a body " + PHYSICAL
+                        + "location, orientation or colour");
+                yield Optional.empty();
+            }
+        };
+    }
+
+    private Optional<Effect> raise(Node node, Node what) {
+        Optional<String> event = what.text();
+        if (event.filter(OWN_EVENTS::contains).isPresent()) {
+            problems.add(what, "raise: the event " + event.get()
+                    + " is the server's own; choose a name other than "
+                    + String.join(", ", OWN_EVENTS.subList(0, OWN_EVENTS.size() - 1)) + " and "
+                    + OWN_EVENTS.getLast());
+            return Optional.empty();
+        }
+        Map<String, Operand> with = new LinkedHashMap<>();
+        for (Node value : node.get("with").map(Node::children).orElse(List.of())) {
+            if (OWN_FIELDS.contains(value.key())) {
+                problems.addAtKey(value, "every event has the field " + value.key() + " already");
+            } else {
+                operands.field(value).ifPresent(operand -> with.put(value.key(), operand));
+            }
+        }
+        return event.map(name -> new Effect.Raise(name, action, with));
+    }
+}
