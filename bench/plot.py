@@ -13,6 +13,7 @@ RESULTS = pathlib.Path(__file__).parent / "results"
 TABLES = [
     ("all_pairs.md", "a kernel tuned for AVX-512", "ratio of processor time", [0, 1]),
     ("barnes_hut.md", "pytreegrav", "ratio of processor time", [0, 1, 2]),
+    ("springs.md", "a loop tuned for AVX-512", "ratio of processor time", [0, 1]),
     ("opencl.md", "the usual OpenCL kernel", "ratio of processor time", [0, 1]),
     ("spheres.md", "Jolt's rigid bodies", "times Jolt", [0]),
     ("icosahedra.md", "Jolt's soft bodies", "times Jolt", [0]),

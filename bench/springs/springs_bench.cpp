@@ -1,47 +1,64 @@
-// hooke_spring through the engine on a square cloth, its springs given row by row and in random
-// order. Prints a table.
+// hooke_spring and newton_motion through the engine on a square cloth, its springs given row by row
+// and in random order, next to a bare loop that was tuned for one processor. Prints a table.
 //   springs_bench FOLDER_OF_LAWS
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <random>
 #include <utility>
 
-#include "side_by_side.hpp"
+#include "laws/side_by_side.hpp"
+#include "peers/springs_avx512.hpp"
 #include "vesper/vesper.hpp"
 
 namespace {
 
-constexpr float kSpacing = 0.01f;  // [m]
+constexpr double kDt = 1e-4;         // [s]
+constexpr float kSpacing = 0.01f;    // [m]
+constexpr float kHooke = 20;         // [N/m]
+constexpr float kDamping = 0.005f;   // [N s/m]
 
 /// side x side bodies of 1 g, each with springs to its neighbours along the sides and across.
-class Cloth {
- public:
-  Cloth(uint32_t side, bool shuffled, const char* laws)
-      : mass_(side * side, 0.001f), position_(3 * side * side), velocity_(3 * side * side),
-        force_(3 * side * side),
-        engine_("si-f32", {.threads = 2, .validate = false, .law_path = laws}) {
+struct Cloth {
+  std::vector<float> mass, position, length;
+  std::vector<std::array<uint32_t, 2>> ends;
+
+  Cloth(uint32_t side, bool shuffled) : mass(side * side, 0.001f), position(3 * side * side) {
     for (uint32_t i = 0; i < side * side; ++i) {
-      position_[3 * i] = static_cast<float>(i % side) * kSpacing;
-      position_[3 * i + 2] = static_cast<float>(i / side) * kSpacing;
+      position[3 * i] = static_cast<float>(i % side) * kSpacing;
+      position[3 * i + 2] = static_cast<float>(i / side) * kSpacing;
       const bool right = i % side + 1 < side, below = i / side + 1 < side;
-      if (right) ends_.push_back({i, i + 1});
-      if (below) ends_.push_back({i, i + side});
+      if (right) ends.push_back({i, i + 1});
+      if (below) ends.push_back({i, i + side});
       if (right && below) {
-        ends_.push_back({i, i + side + 1});
-        ends_.push_back({i + 1, i + side});
+        ends.push_back({i, i + side + 1});
+        ends.push_back({i + 1, i + side});
       }
     }
     std::mt19937 random(1);
-    for (uint64_t i = ends_.size() - 1; shuffled && i > 0; --i) {
-      std::swap(ends_[i], ends_[random() % (i + 1)]);
+    for (uint64_t i = ends.size() - 1; shuffled && i > 0; --i) {
+      std::swap(ends[i], ends[random() % (i + 1)]);
     }
-    for (const auto& [a, b] : ends_) {
-      const float dx = position_[3 * a] - position_[3 * b];
-      const float dz = position_[3 * a + 2] - position_[3 * b + 2];
-      length_.push_back(0.99f * std::sqrt(dx * dx + dz * dz));
+    for (const auto& [a, b] : ends) {
+      const float dx = position[3 * a] - position[3 * b];
+      const float dz = position[3 * a + 2] - position[3 * b + 2];
+      length.push_back(0.99f * std::sqrt(dx * dx + dz * dz));
     }
-    hooke_.assign(ends_.size(), 20);
-    damping_.assign(ends_.size(), 0.005f);
+  }
+};
+
+/// The cloth in the engine.
+template <class Real>
+class Law {
+ public:
+  Law(Cloth cloth, uint32_t threads, const char* laws)
+      : mass_(cloth.mass.begin(), cloth.mass.end()),
+        position_(cloth.position.begin(), cloth.position.end()), velocity_(position_.size()),
+        force_(position_.size()), length_(cloth.length.begin(), cloth.length.end()),
+        hooke_(length_.size(), Real(kHooke)), damping_(length_.size(), Real(kDamping)),
+        ends_(std::move(cloth.ends)),
+        engine_(sizeof(Real) == 8 ? "si-f64" : "si-f32",
+                {.threads = threads, .validate = false, .law_path = laws}) {
     auto provider = engine_.PropertyProvider();
     provider.AddPhysicalProperty("mass", mass_);
     provider.AddPhysicalProperty("position", position_);
@@ -55,14 +72,55 @@ class Cloth {
     engine_.LoadPhysicsLaw("newton_motion");
   }
 
-  void Advance() { engine_.Advance(1e-4); }
-  double springs() const { return static_cast<double>(ends_.size()); }
+  void Advance() { engine_.Advance(kDt); }
+  const std::vector<Real>& position() const { return position_; }
 
  private:
-  std::vector<float> mass_, position_, velocity_, force_, length_, hooke_, damping_;
+  std::vector<Real> mass_, position_, velocity_, force_, length_, hooke_, damping_;
   std::vector<std::array<uint32_t, 2>> ends_;
   vesper::PhysicsEngine engine_;
 };
+
+bench::SpringsKernel MakeKernel(const Cloth& cloth, int threads) {
+  return {cloth.mass, cloth.position, cloth.ends, cloth.length, kHooke, kDamping, threads};
+}
+
+/// Both must do the same: a hundredth of the spacing apart at most, after a hundred steps.
+void CheckAgreement(const Cloth& cloth, const char* laws) {
+  Law<float> law(cloth, 1, laws);
+  bench::SpringsKernel kernel = MakeKernel(cloth, 1);
+  for (int step = 0; step < 100; ++step) law.Advance();
+  kernel.Advance(static_cast<float>(kDt), 100);
+  float worst = 0;
+  for (uint64_t i = 0; i < law.position().size(); ++i) {
+    const float other = kernel.position()[i / 3].value[i % 3];
+    worst = std::max(worst, std::abs(law.position()[i] - other));
+  }
+  if (!(worst <= 0.01f * kSpacing)) {
+    std::fprintf(stderr, "law and loop differ by %g m\n", static_cast<double>(worst));
+    std::exit(1);
+  }
+}
+
+void Measure(uint32_t side, uint32_t threads, const char* laws) {
+  const Cloth cloth(side, false);
+  Law<float> grid(cloth, threads, laws), random(Cloth(side, true), threads, laws);
+  Law<double> wide(cloth, threads, laws);
+  bench::SpringsKernel kernel = MakeKernel(cloth, static_cast<int>(threads));
+  constexpr int kSteps = 16;  // a round trip of the loop's threads for each would be too slow
+  const auto beside = bench::SideBySide(
+      [&] { for (int i = 0; i < kSteps; ++i) grid.Advance(); },
+      [&] { kernel.Advance(static_cast<float>(kDt), kSteps); });
+  const auto orders = bench::SideBySide([&] { random.Advance(); }, [&] { grid.Advance(); });
+  const auto precisions = bench::SideBySide([&] { wide.Advance(); }, [&] { grid.Advance(); });
+  const double springs = 1e-6 * static_cast<double>(cloth.ends.size());
+  std::printf("| %.0f | %s | %.0f | %.0f | %.2f | %.2f | %.2f | %.0f | %.1f |\n", 1e6 * springs,
+              threads == 1 ? "1 thread" : "2 threads", kSteps * springs / beside.a.wall, kSteps * springs / beside.b.wall,
+              beside.b.wall / beside.a.wall, beside.b.processor / beside.a.processor,
+              orders.b.wall / orders.a.wall, springs / precisions.a.wall,
+              std::max({beside.foreign, orders.foreign, precisions.foreign}));
+  std::fflush(stdout);
+}
 
 }  // namespace
 
@@ -71,14 +129,15 @@ int main(int argc, char** argv) {
     std::fprintf(stderr, "usage: springs_bench FOLDER_OF_LAWS\n");
     return 2;
   }
-  std::printf("| springs | in order [10^6 springs/s] | in random order [10^6 springs/s] | ratio "
-              "| ratio of processor time | others' processors |\n|---:|---:|---:|---:|---:|---:|\n");
+  if (!__builtin_cpu_supports("avx512vl")) {
+    std::fprintf(stderr, "the loop to compare with needs AVX-512\n");
+    return 1;
+  }
+  CheckAgreement(Cloth(50, false), argv[1]);
+  std::printf("| springs | | law, f32 [10^6 springs/s] | loop, f32 [10^6 springs/s] | ratio "
+              "| ratio of processor time | random order / in order | law, f64 [10^6 springs/s] "
+              "| others' processors |\n|---:|---|---:|---:|---:|---:|---:|---:|---:|\n");
   for (const uint32_t side : {50, 158, 500}) {
-    Cloth grid(side, false, argv[1]), random(side, true, argv[1]);
-    const auto result = bench::SideBySide([&] { random.Advance(); }, [&] { grid.Advance(); });
-    std::printf("| %.0f | %.0f | %.0f | %.2f | %.2f | %.1f |\n", grid.springs(),
-                1e-6 * grid.springs() / result.b.wall, 1e-6 * grid.springs() / result.a.wall,
-                result.b.wall / result.a.wall, result.b.processor / result.a.processor,
-                result.foreign);
+    for (const uint32_t threads : {1, 2}) Measure(side, threads, argv[1]);
   }
 }

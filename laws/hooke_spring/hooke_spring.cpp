@@ -13,8 +13,8 @@ namespace {
 using namespace vesper;
 using namespace vesper::hooke_spring;
 
-// Values that a thread compares at once.
-constexpr uint64_t kGrain = 65536;
+// Rows that a thread compares at once.
+constexpr uint64_t kGrain = 16384;
 
 /** Springs with viscous damping along their axis. The bodies are cut into tiles; for each, all
  *  springs that hold one of its bodies are computed and summed in a fixed order, and what they do
@@ -54,7 +54,7 @@ struct HookeSpring {
   }
 
   void Advance(const Step& step) {
-    for (Copied& copy : copies_) Update(copy, step);
+    Update(step);
     step.ParallelFor(tiles_.tiles().size(), 1, [&](uint64_t begin, uint64_t end) {
       uint64_t place = 0;
       while (taken_[place].test_and_set(std::memory_order_acquire)) ++place;
@@ -94,19 +94,24 @@ struct HookeSpring {
     for (uint64_t slot = 0; slot < rows.size(); ++slot) copy.slots[slot] = copy.rows[rows[slot]];
   }
 
-  /** Copies again if values were edited in place: reading the rows one after the other to see that
-   *  costs little next to reading them in another order. */
-  void Update(Copied& copy, const Step& step) {
-    std::atomic<bool> same = true;
-    step.ParallelFor(copy.rows.size(), kGrain, [&](uint64_t begin, uint64_t end) {
-      if (std::memcmp(copy.column + begin, copy.rows.data() + begin,
-                      (end - begin) * sizeof(Real)) != 0) {
-        same = false;
+  /** Copies again what was edited in place: reading the rows one after the other to see that costs
+   *  little next to reading them in another order. */
+  void Update(const Step& step) {
+    if (copies_.empty()) return;
+    edited_.clear();
+    step.ParallelFor(endpoints.size(), kGrain, [&](uint64_t begin, uint64_t end) {
+      for (const Copied& copy : copies_) {
+        if (std::memcmp(copy.column + begin, copy.rows.data() + begin,
+                        (end - begin) * sizeof(Real)) != 0) {
+          edited_.test_and_set();
+        }
       }
     });
-    if (same) return;
-    std::copy_n(copy.column, copy.rows.size(), copy.rows.data());
-    Sort(copy);
+    if (!edited_.test()) return;
+    for (Copied& copy : copies_) {
+      std::copy_n(copy.column, copy.rows.size(), copy.rows.data());
+      Sort(copy);
+    }
   }
 
   /** Adds the forces of a tile's springs to its own bodies. */
@@ -147,6 +152,7 @@ struct HookeSpring {
   // All of it is rebuilt by Bind or by each Advance.
   SpringTiles tiles_;
   std::vector<Copied> copies_;                 // length, hooke, damping; none if in order of rows
+  std::atomic_flag edited_;
   std::unique_ptr<Motion<Real>[]> motions_;    // (places x most_bodies of tiles_)
   std::unique_ptr<Forces<Real>[]> forces_;     // (places x most_slots / kBatch)
   std::unique_ptr<std::atomic_flag[]> taken_;  // (places)
