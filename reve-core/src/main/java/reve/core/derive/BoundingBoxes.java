@@ -60,6 +60,7 @@ public final class BoundingBoxes {
             MemorySegment.copy(low, 0, lows, ValueLayout.JAVA_DOUBLE, 24L * first, 3 * rows);
             MemorySegment.copy(high, 0, highs, ValueLayout.JAVA_DOUBLE, 24L * first, 3 * rows);
         }
+        world.boundsDerived();
     }
 
     /** Reads numbers of a column of the prototype's real type. */

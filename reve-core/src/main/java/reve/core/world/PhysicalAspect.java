@@ -98,12 +98,12 @@ public final class PhysicalAspect {
         note("colour", from, colour);
     }
 
-    /** Lower corner of the box around the item as of the last DERIVE (3) [m]. */
+    /** Lower corner of the box around the item as of the last DERIVE (3) [m]; NaN before. */
     public double[] boundsMin() {
         return read("boundsMin");
     }
 
-    /** Upper corner of the box around the item as of the last DERIVE (3) [m]. */
+    /** Upper corner of the box around the item as of the last DERIVE (3) [m]; NaN before. */
     public double[] boundsMax() {
         return read("boundsMax");
     }
@@ -113,6 +113,17 @@ public final class PhysicalAspect {
         write("orientation", definition.orientation());
         writeColour(definition.colour());
         writeShape(definition.shape());
+        forgetBounds();
+    }
+
+    /** There is no box until DERIVE. */
+    private void forgetBounds() {
+        for (String corner : List.of("boundsMin", "boundsMax")) {
+            Column column = item.table().column(corner);
+            for (int i = 0; i < column.components(); i++) {
+                column.write(item.checkedRow(), i, Double.NaN);
+            }
+        }
     }
 
     private void writeShape(Shape shape) {

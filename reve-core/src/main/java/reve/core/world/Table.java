@@ -95,6 +95,10 @@ public final class Table implements TableView {
         return allColumns;
     }
 
+    Column ids() {
+        return ids;
+    }
+
     Column physicsColumn(String name) {
         return required(physicsByName, "physics property", name);
     }

@@ -38,6 +38,10 @@ public final class TableSnapshot implements TableView {
         return physicsRowCount;
     }
 
+    ColumnSnapshot ids() {
+        return ids;
+    }
+
     /** @throws IllegalArgumentException at times when the snapshot was lost */
     @Override
     public ItemId idAt(int row) {

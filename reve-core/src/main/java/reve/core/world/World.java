@@ -47,6 +47,8 @@ public final class World {
     private final References references;
     private final SymbolIndex symbolIndex = new SymbolIndex();
     private final Forces forces;
+    private final Space space;
+    private long boundsVersion;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private volatile Thread owner = Thread.currentThread();
     private @Nullable String lockedBy;
@@ -72,6 +74,7 @@ public final class World {
         hierarchy = new Hierarchy(table(WorldPrototype.BODY));
         references = new References(tables, items);
         forces = new Forces(this);
+        space = spaceOf(table(WorldPrototype.BODY));
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
         insert(constants.build(), true);
     }
@@ -239,6 +242,26 @@ public final class World {
         changes.add(new WorldChange.Detached(child, before));
     }
 
+    /** Which bodies are where, as of the last DERIVE. */
+    public Space space() {
+        checkOwner();
+        return space;
+    }
+
+    /** The boxes around bodies were worked out anew; told in DERIVE. */
+    public void boundsDerived() {
+        checkOwner();
+        boundsVersion++;
+    }
+
+    private Space spaceOf(Table bodies) {
+        return new Space(bodies.ids(), bodies.column("boundsMin"), bodies.column("boundsMax"),
+                () -> {
+                    checkOwner();
+                    return boundsVersion;
+                }, id -> items.containsKey(new ItemId(id)));
+    }
+
     /** Puts what is attached where its parents are; in DERIVE, before anything looks. */
     public void placeAttached() {
         checkOwner();
@@ -273,6 +296,7 @@ public final class World {
         }
         references.countAll();
         hierarchy.restore(items.values());
+        boundsVersion++;
         symbolIndex.clear();
         changes.add(new WorldChange.Restored(image.frame()));
         layoutVersion++;

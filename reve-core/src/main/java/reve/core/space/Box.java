@@ -1,0 +1,23 @@
+package reve.core.space;
+
+/** A box along the axes, its faces included [m]. A side may be infinite. */
+public record Box(double minX, double minY, double minZ, double maxX, double maxY, double maxZ) {
+
+    /** @throws IllegalArgumentException if a number is NaN or a lower corner is above the upper */
+    public Box {
+        if (!(minX <= maxX && minY <= maxY && minZ <= maxZ)) {
+            throw new IllegalArgumentException("box from " + minX + ", " + minY + ", " + minZ
+                    + " to " + maxX + ", " + maxY + ", " + maxZ
+                    + ": expected each number of the first corner to be at most the second's");
+        }
+    }
+
+    /**
+     * A cube around a point.
+     *
+     * @param half half the length of an edge [m]
+     */
+    public static Box around(double x, double y, double z, double half) {
+        return new Box(x - half, y - half, z - half, x + half, y + half, z + half);
+    }
+}

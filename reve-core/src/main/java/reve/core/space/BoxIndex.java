@@ -1,0 +1,275 @@
+package reve.core.space;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+
+/**
+ * Which of many boxes meet a region or are nearest to a point: a packed tree of boxes (an R-tree
+ * whose nodes hold eight neighbours along a curve through space). All boxes are given at once, as
+ * often as they move; what is found depends on the boxes alone and comes in a fixed order. One
+ * thread.
+ *
+ * <p>While the same number of boxes comes, their order along the curve is kept, and only what is
+ * around them is worked out; they are put in order again when they have moved far.
+ */
+public final class BoxIndex {
+
+    static final int FAN_OUT = 8;
+    private static final int AXES = 3;
+    private static final int SIDES = 2 * AXES;
+    private static final int MAX_LEVELS = 12;
+    private static final int NOTHING = -1;
+    /** How many times as long the edges of a node become before it counts as grown. */
+    private static final double WORN_OUT = 2;
+
+    private final RankedOrder ranked = new RankedOrder();
+    private final Queue queue = new Queue();
+    private final int[] stack = new int[FAN_OUT * MAX_LEVELS];
+    private double[] lows = {};
+    private double[] highs = {};
+    private long[] givenKeys = {};
+    private float[] centres = {};
+    private int[] order = {};
+    private int ordered = NOTHING;
+    /** Sum of the edges of the nodes around boxes, when the boxes were put in order. */
+    private double[] extents = {};
+    /** All nodes, six sides each: the boxes in their order, then what is around eight of those ... */
+    private double[] sides = {};
+    private long[] keys = {};
+    /** The first node of each level, and behind the last one. */
+    private final int[] firstOf = new int[MAX_LEVELS + 2];
+    private int levels;
+
+    /**
+     * Takes in boxes instead of those before; allocates only if there are more than ever.
+     *
+     * @param ids (rows) keys of the boxes, different longs
+     * @param lows (rows x 3) lower corners in doubles; a box with a NaN is left out
+     * @param highs (rows x 3) upper corners
+     */
+    public void build(MemorySegment ids, MemorySegment lows, MemorySegment highs, int rows) {
+        reserve(rows);
+        int count = read(ids, lows, highs, rows);
+        if (count == ordered) {
+            fill(count);
+        }
+        if (count != ordered || isWorn()) {
+            putInOrder(count);
+            fill(count);
+            rememberExtents();
+        }
+    }
+
+    /** How many boxes there are. */
+    public int size() {
+        return firstOf[1];
+    }
+
+    /** Finds the keys of all boxes that meet a box or touch it, in rising order. */
+    public void inBox(Box box, Found found) {
+        found.clear();
+        int depth = pushTop();
+        while (depth > 0) {
+            int node = stack[--depth];
+            int at = SIDES * node;
+            if (sides[at] <= box.maxX() && sides[at + 3] >= box.minX()
+                    && sides[at + 1] <= box.maxY() && sides[at + 4] >= box.minY()
+                    && sides[at + 2] <= box.maxZ() && sides[at + 5] >= box.minZ()) {
+                depth = enter(node, depth, found);
+            }
+        }
+        found.sort();
+    }
+
+    /** Finds the keys of all boxes that meet a ball or touch it, in rising order. */
+    public void inSphere(double x, double y, double z, double radius, Found found) {
+        found.clear();
+        int depth = pushTop();
+        while (depth > 0) {
+            int node = stack[--depth];
+            if (squaredDistance(node, x, y, z) <= radius * radius) {
+                depth = enter(node, depth, found);
+            }
+        }
+        found.sort();
+    }
+
+    /**
+     * Finds the keys of the boxes nearest to a point: in the order of the distance from the point
+     * to the box, 0 within it, and of the keys for equal ones.
+     *
+     * @param most how many; fewer if there are not so many
+     */
+    public void nearest(double x, double y, double z, int most, Found found) {
+        found.clear();
+        queue.clear();
+        if (size() > 0) {
+            queue.add(0, Queue.NODE, firstOf[levels + 1] - 1);
+        }
+        while (found.size() < most && !queue.isEmpty()) {
+            int node = queue.node();
+            queue.remove();
+            if (node < size()) {
+                found.add(keys[node]);
+                continue;
+            }
+            int level = levelOf(node);
+            int first = firstChild(node, level);
+            for (int child = first; child < lastChild(first, level); child++) {
+                long key = child < size() ? keys[child] : Queue.NODE;
+                queue.add(squaredDistance(child, x, y, z), key, child);
+            }
+        }
+    }
+
+    private int pushTop() {
+        stack[0] = firstOf[levels + 1] - 1;
+        return size() > 0 ? 1 : 0;
+    }
+
+    /** Notes a box, or pushes what a node holds; returns the new depth of the stack. */
+    private int enter(int node, int depth, Found found) {
+        if (node < size()) {
+            found.add(keys[node]);
+            return depth;
+        }
+        int level = levelOf(node);
+        int first = firstChild(node, level);
+        int after = depth;
+        for (int child = first; child < lastChild(first, level); child++) {
+            stack[after++] = child;
+        }
+        return after;
+    }
+
+    private int levelOf(int node) {
+        int level = levels;
+        while (firstOf[level] > node) {
+            level--;
+        }
+        return level;
+    }
+
+    private int firstChild(int node, int level) {
+        return firstOf[level - 1] + FAN_OUT * (node - firstOf[level]);
+    }
+
+    private int lastChild(int first, int level) {
+        return Math.min(first + FAN_OUT, firstOf[level]);
+    }
+
+    private double squaredDistance(int node, double x, double y, double z) {
+        int at = SIDES * node;
+        double dx = Math.max(0, Math.max(sides[at] - x, x - sides[at + 3]));
+        double dy = Math.max(0, Math.max(sides[at + 1] - y, y - sides[at + 4]));
+        double dz = Math.max(0, Math.max(sides[at + 2] - z, z - sides[at + 5]));
+        return dx * dx + dy * dy + dz * dz;
+    }
+
+    /** Gathers the boxes that are there; returns how many. */
+    private int read(MemorySegment ids, MemorySegment givenLows, MemorySegment givenHighs,
+            int rows) {
+        MemorySegment.copy(ids, ValueLayout.JAVA_LONG, 0, givenKeys, 0, rows);
+        MemorySegment.copy(givenLows, ValueLayout.JAVA_DOUBLE, 0, lows, 0, AXES * rows);
+        MemorySegment.copy(givenHighs, ValueLayout.JAVA_DOUBLE, 0, highs, 0, AXES * rows);
+        int count = 0;
+        for (int row = 0; row < rows; row++) {
+            int at = AXES * row;
+            if (lows[at] <= highs[at] && lows[at + 1] <= highs[at + 1]
+                    && lows[at + 2] <= highs[at + 2]) {
+                if (count < row) {
+                    System.arraycopy(lows, at, lows, AXES * count, AXES);
+                    System.arraycopy(highs, at, highs, AXES * count, AXES);
+                    givenKeys[count] = givenKeys[row];
+                }
+                count++;
+            }
+        }
+        return count;
+    }
+
+    private void putInOrder(int count) {
+        for (int i = 0; i < AXES * count; i++) {
+            centres[i] = (float) (0.5 * lows[i] + 0.5 * highs[i]);
+        }
+        order = ranked.sort(centres, count);
+        ordered = count;
+    }
+
+    /** True if many nodes around boxes have grown. */
+    private boolean isWorn() {
+        int grown = 0;
+        for (int node = size(); node < firstOf[2]; node++) {
+            grown += extent(node) > WORN_OUT * extents[node - size()] ? 1 : 0;
+        }
+        return grown * FAN_OUT > firstOf[2] - size();
+    }
+
+    private void rememberExtents() {
+        for (int node = size(); node < firstOf[2]; node++) {
+            extents[node - size()] = extent(node);
+        }
+    }
+
+    private double extent(int node) {
+        int at = SIDES * node;
+        return sides[at + 3] - sides[at] + (sides[at + 4] - sides[at + 1])
+                + (sides[at + 5] - sides[at + 2]);
+    }
+
+    /** Lays the boxes down in their order, and around them the levels. */
+    private void fill(int count) {
+        for (int i = 0; i < count; i++) {
+            keys[i] = givenKeys[order[i]];
+            for (int axis = 0; axis < AXES; axis++) {
+                sides[SIDES * i + axis] = lows[AXES * order[i] + axis];
+                sides[SIDES * i + AXES + axis] = highs[AXES * order[i] + axis];
+            }
+        }
+        buildLevels(count);
+    }
+
+    private void buildLevels(int count) {
+        levels = 0;
+        firstOf[0] = 0;
+        firstOf[1] = count;
+        firstOf[2] = count;
+        while (firstOf[levels + 1] - firstOf[levels] > 1) {
+            int end = firstOf[levels + 1];
+            int node = end;
+            for (int first = firstOf[levels]; first < end; first += FAN_OUT) {
+                enclose(first, Math.min(first + FAN_OUT, end), node++);
+            }
+            levels++;
+            firstOf[levels + 1] = node;
+        }
+    }
+
+    private void enclose(int first, int end, int node) {
+        int at = SIDES * node;
+        System.arraycopy(sides, SIDES * first, sides, at, SIDES);
+        for (int child = first + 1; child < end; child++) {
+            for (int axis = 0; axis < AXES; axis++) {
+                sides[at + axis] = Math.min(sides[at + axis], sides[SIDES * child + axis]);
+                sides[at + AXES + axis] =
+                        Math.max(sides[at + AXES + axis], sides[SIDES * child + AXES + axis]);
+            }
+        }
+    }
+
+    private void reserve(int rows) {
+        if (givenKeys.length >= rows) {
+            return;
+        }
+        int room = Math.max(rows, 2 * givenKeys.length);
+        lows = new double[AXES * room];
+        highs = new double[AXES * room];
+        givenKeys = new long[room];
+        centres = new float[AXES * room];
+        extents = new double[room / FAN_OUT + 1];
+        keys = new long[room];
+        ordered = NOTHING;
+        // A level has an eighth of the nodes of the one before, rounded up.
+        sides = new double[SIDES * (room + room / (FAN_OUT - 1) + MAX_LEVELS)];
+    }
+}

@@ -1,0 +1,48 @@
+package reve.core.space;
+
+import java.util.Arrays;
+import java.util.Objects;
+import java.util.function.LongPredicate;
+
+/** The keys that a query of a {@link BoxIndex} found; used again and again. One thread. */
+public final class Found {
+
+    private long[] keys = new long[16];
+    private int size;
+
+    /** How many were found. */
+    public int size() {
+        return size;
+    }
+
+    /** @param index 0 to {@link #size()} - 1 */
+    public long key(int index) {
+        return keys[Objects.checkIndex(index, size)];
+    }
+
+    /** Forgets those for which a test is false; the others stay in their order. */
+    public void keepIf(LongPredicate test) {
+        int kept = 0;
+        for (int i = 0; i < size; i++) {
+            if (test.test(keys[i])) {
+                keys[kept++] = keys[i];
+            }
+        }
+        size = kept;
+    }
+
+    void clear() {
+        size = 0;
+    }
+
+    void add(long key) {
+        if (size == keys.length) {
+            keys = Arrays.copyOf(keys, 2 * size);
+        }
+        keys[size++] = key;
+    }
+
+    void sort() {
+        Arrays.sort(keys, 0, size);
+    }
+}

@@ -1,0 +1,96 @@
+package reve.core.space;
+
+import java.util.Arrays;
+
+/**
+ * An order of points in which neighbours in space are mostly neighbours in the order: along a Z-curve
+ * (Morton) through their ranks on each axis. By rank rather than by place, so that one
+ * point far away does not press all others into one cell. Radix sorts, in time proportional to the
+ * number of points; allocates only for more points than ever before.
+ */
+final class RankedOrder {
+
+    private static final int AXES = 3;
+    private static final int RANK_BITS = 10;
+    private static final int DIGIT_BITS = 11;
+    private static final int DIGITS = 1 << DIGIT_BITS;
+
+    private final int[] counts = new int[DIGITS];
+    private int[] keys = {};
+    private int[] codes = {};
+    private int[] order = {};
+    private int[] spare = {};
+
+    /**
+     * The order of the points.
+     *
+     * @param places (count x 3) coordinates
+     * @return indices of points; valid until the next call, and at times longer than count
+     */
+    int[] sort(float[] places, int count) {
+        reserve(count);
+        Arrays.fill(codes, 0, count, 0);
+        for (int axis = 0; axis < AXES; axis++) {
+            for (int i = 0; i < count; i++) {
+                keys[i] = sortable(places[AXES * i + axis]);
+            }
+            sortByKeys(keys, count);
+            for (int rank = 0; rank < count; rank++) {
+                int cell = (int) (((long) rank << RANK_BITS) / count);
+                codes[order[rank]] |= spread(cell) << axis;
+            }
+        }
+        sortByKeys(codes, count);
+        return order;
+    }
+
+    /** Keys are compared without sign; equal ones stay in the order of their indices. */
+    private void sortByKeys(int[] by, int count) {
+        for (int i = 0; i < count; i++) {
+            order[i] = i;
+        }
+        for (int shift = 0; shift < Integer.SIZE; shift += DIGIT_BITS) {
+            Arrays.fill(counts, 0);
+            for (int i = 0; i < count; i++) {
+                counts[(by[i] >>> shift) & (DIGITS - 1)]++;
+            }
+            int before = 0;
+            for (int digit = 0; digit < DIGITS; digit++) {
+                int here = counts[digit];
+                counts[digit] = before;
+                before += here;
+            }
+            for (int i = 0; i < count; i++) {
+                int index = order[i];
+                spare[counts[(by[index] >>> shift) & (DIGITS - 1)]++] = index;
+            }
+            int[] sorted = spare;
+            spare = order;
+            order = sorted;
+        }
+    }
+
+    /** Bits whose order without sign is the order of the numbers. */
+    private static int sortable(float value) {
+        int bits = Float.floatToRawIntBits(value);
+        return bits ^ (bits >> 31 | Integer.MIN_VALUE);
+    }
+
+    /** Two zero bits between each of ten bits. */
+    private static int spread(int bits) {
+        int spread = (bits | bits << 16) & 0x030000FF;
+        spread = (spread | spread << 8) & 0x0300F00F;
+        spread = (spread | spread << 4) & 0x030C30C3;
+        return (spread | spread << 2) & 0x09249249;
+    }
+
+    private void reserve(int count) {
+        if (keys.length < count) {
+            int room = Math.max(count, 2 * keys.length);
+            keys = new int[room];
+            codes = new int[room];
+            order = new int[room];
+            spare = new int[room];
+        }
+    }
+}

@@ -1,0 +1,109 @@
+package reve.core.world;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.function.LongPredicate;
+import java.util.function.LongSupplier;
+import reve.core.space.Box;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
+
+/**
+ * Which bodies are where, by the boxes around them ({@code boundsMin}, {@code boundsMax}) as the last
+ * DERIVE left them: what was moved or reshaped since is found where it was, what was added since is not
+ * found yet, and what was removed since is not found any more. A body without a shape is a point.
+ *
+ * <p>Looks boxes up in a tree that is brought up to date when somebody asks for the first time after
+ * DERIVE; a world that nobody asks pays nothing. Same thread as the world or snapshot.
+ */
+public final class Space {
+
+    private final ColumnView ids;
+    private final ColumnView lows;
+    private final ColumnView highs;
+    private final LongSupplier version;
+    private final LongPredicate isThere;
+    private final BoxIndex index = new BoxIndex();
+    private final Found found = new Found();
+    private long builtVersion = -1;
+
+    /**
+     * @param ids of the bodies in the rows
+     * @param version raised when the boxes were worked out anew; 0 or more
+     * @param isThere whether the body with an id is still there
+     */
+    Space(ColumnView ids, ColumnView lows, ColumnView highs, LongSupplier version,
+            LongPredicate isThere) {
+        this.ids = ids;
+        this.lows = lows;
+        this.highs = highs;
+        this.version = version;
+        this.isThere = isThere;
+    }
+
+    /** Bodies whose boxes meet a box or touch it, in the order of their ids. */
+    public List<ItemId> inBox(Box box) {
+        inBox(box, found);
+        return present(Integer.MAX_VALUE);
+    }
+
+    /** As {@link #inBox(Box)}, into memory of the caller's: nothing is allocated once it is used to it. */
+    public void inBox(Box box, Found into) {
+        update();
+        index.inBox(box, into);
+        into.keepIf(isThere);
+    }
+
+    /** Bodies whose boxes meet a ball or touch it, in the order of their ids. */
+    public List<ItemId> inSphere(double x, double y, double z, double radius) {
+        if (!(radius >= 0)) {
+            throw new IllegalArgumentException("radius is " + radius + " m, expected 0 or more");
+        }
+        update();
+        index.inSphere(x, y, z, radius, found);
+        found.keepIf(isThere);
+        return present(Integer.MAX_VALUE);
+    }
+
+    /**
+     * The bodies nearest to a point: in the order of the distance from the point to their boxes, 0
+     * within them, and of their ids for equal ones.
+     *
+     * @param most how many; fewer if there are not so many
+     */
+    public List<ItemId> nearest(double x, double y, double z, int most) {
+        if (most < 0 || Double.isNaN(x + y + z)) {
+            throw new IllegalArgumentException("nearest " + most + " bodies to " + x + ", " + y
+                    + ", " + z + ": expected 0 or more, and numbers");
+        }
+        update();
+        int asked = most;
+        while (true) {
+            index.nearest(x, y, z, asked, found);
+            boolean all = found.size() < asked;
+            found.keepIf(isThere);
+            if (all || found.size() >= most) {
+                return present(most);
+            }
+            asked = 2 * asked; // some were removed since DERIVE
+        }
+    }
+
+    private void update() {
+        long now = version.getAsLong();
+        if (now != builtVersion) {
+            int rows = Math.min(ids.rowCount(), Math.min(lows.rowCount(), highs.rowCount()));
+            index.build(ids.segment(), lows.segment(), highs.segment(), rows);
+            builtVersion = now;
+        }
+    }
+
+    private List<ItemId> present(int most) {
+        int count = Math.min(most, found.size());
+        List<ItemId> present = new ArrayList<>(count);
+        for (int i = 0; i < count; i++) {
+            present.add(new ItemId(found.key(i)));
+        }
+        return present;
+    }
+}
