@@ -97,6 +97,14 @@ public final class ItemDefinition {
         return copy(newName).build();
     }
 
+    /** The same item with other symbols: text, truth, finite numbers or lists. */
+    public ItemDefinition withSymbols(Map<String, Object> otherSymbols) {
+        Builder copy = copy(name);
+        copy.symbols.clear();
+        otherSymbols.forEach(copy::symbol);
+        return copy.build();
+    }
+
     /** Begins a definition of another name that has all that this one has. */
     public Builder copy(String newName) {
         Builder copy = new Builder(newName);

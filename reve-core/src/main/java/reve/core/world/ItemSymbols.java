@@ -24,6 +24,8 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
         Optional<Material> material, PMap<String, Object> given, PMap<String, Object> derived,
         List<Action> actions, List<String> capabilities, @Nullable Attachment attachment) {
 
+    private static final ItemId NOBODY = new ItemId(1);
+
     static final String NAME = "name";
     static final String CLASS = "class";
     static final String DIMENSIONS = "dimensions";
@@ -31,7 +33,8 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     /** Standard symbols that cannot be set. */
     public static final Set<String> DERIVED = Set.of(NAME, DIMENSIONS);
 
-    ItemSymbols(ItemId id, ItemDefinition definition) {
+    /** What is symbolic in a definition; attached to nothing, whatever it says. */
+    public ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition.name(), definition.kind(), definition.shape(),
                 definition.material(), given(definition.symbols()), TreePMap.empty(),
                 definition.actions(), definition.capabilities(), null);
@@ -78,6 +81,17 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
                 capabilities, attachment);
     }
 
+    /** All but id, name, symbols and attachment: equal for items that are alike in the rest. */
+    public ItemSymbols likeness() {
+        return new ItemSymbols(NOBODY, "item", kind, shape, material, TreePMap.empty(),
+                TreePMap.empty(), actions, capabilities, null);
+    }
+
+    /** The same with other symbols of the designer's, which are not checked. */
+    public ItemSymbols withGiven(Map<String, Object> symbols) {
+        return with(given(symbols));
+    }
+
     ItemSymbols renamed(String newName) {
         return new ItemSymbols(id, newName, kind, shape, material, given, derived, actions,
                 capabilities, attachment);
@@ -93,7 +107,8 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
                 capabilities, attachment);
     }
 
-    ItemSymbols attached(@Nullable Attachment newAttachment) {
+    /** The same with another attachment. */
+    public ItemSymbols attached(@Nullable Attachment newAttachment) {
         return new ItemSymbols(id, name, kind, shape, material, given, derived, actions,
                 capabilities, newAttachment);
     }

@@ -1,0 +1,12 @@
+package reve.core.store;
+
+/** Bytes that were read are not what was written, or something else altogether. */
+public final class CorruptException extends RuntimeException {
+
+    private static final long serialVersionUID = 1L;
+
+    /** @param message what is wrong; a caller that knows puts in front of what */
+    public CorruptException(String message) {
+        super(message);
+    }
+}

@@ -1,0 +1,57 @@
+package reve.core.store;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.unit.Unit;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
+import tools.jackson.databind.JsonNode;
+
+/** Prototypes as trees: the standard one's name, and what designers added. */
+public final class PrototypeCodec {
+
+    private PrototypeCodec() {}
+
+    public static Map<String, Object> write(WorldPrototype prototype) {
+        int standard = WorldPrototype.standard(prototype.name()).properties().size();
+        List<PropertyDescriptor> all = prototype.properties();
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", prototype.name());
+        tree.put("added", all.subList(standard, all.size()).stream()
+                .map(PrototypeCodec::tree).toList());
+        return tree;
+    }
+
+    /** @throws CorruptException if it is none */
+    public static WorldPrototype read(JsonNode tree) {
+        try {
+            return WorldPrototype.standard(Trees.text(tree, "name")).extendedBy(
+                    Trees.list(tree, "added").stream().map(PrototypeCodec::property).toList());
+        } catch (IllegalArgumentException e) {
+            throw new CorruptException("no prototype: " + e.getMessage());
+        }
+    }
+
+    private static Map<String, Object> tree(PropertyDescriptor property) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", property.name());
+        tree.put("kind", property.kind());
+        tree.put("type", property.type().name());
+        tree.put("components", property.components());
+        tree.put("unit", property.unit().symbol());
+        property.refersTo().ifPresent(kind -> tree.put("refersTo", kind));
+        tree.put("doc", property.doc());
+        return tree;
+    }
+
+    private static PropertyDescriptor property(JsonNode tree) {
+        return new PropertyDescriptor(Trees.text(tree, "name"), Trees.text(tree, "kind"),
+                ScalarType.valueOf(Trees.text(tree, "type")),
+                (int) Trees.integer(tree, "components"), Unit.parse(Trees.text(tree, "unit")),
+                Optional.ofNullable(tree.get("refersTo")).map(JsonNode::asString),
+                Trees.text(tree, "doc"));
+    }
+}

@@ -1,0 +1,181 @@
+package reve.core.store;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import java.nio.ByteOrder;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
+import reve.core.mesh.Assets;
+import reve.core.world.Attachment;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
+import reve.core.world.TableCopy;
+import reve.core.world.WorldImage;
+import reve.core.world.WorldPrototype;
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+
+/**
+ * World images as sections: {@code world} and {@code items} (JSON), and the bytes of each column
+ * that is not all zeros. One thread.
+ */
+public final class WorldImageCodec {
+
+    private static final String WORLD = "world";
+    private static final String ITEMS = "items";
+
+    private final ItemTexts texts;
+
+    /** @param assets where the items' mesh and texture files are */
+    public WorldImageCodec(WorldPrototype prototype, Assets assets) {
+        texts = new ItemTexts(prototype, assets);
+    }
+
+    /**
+     * @throws IllegalArgumentException naming item and action if an item has an action that no
+     *     world file can declare
+     */
+    public Map<String, byte[]> write(WorldImage image) {
+        Map<String, byte[]> sections = new LinkedHashMap<>();
+        sections.put(WORLD, Trees.write(world(image)));
+        sections.put(ITEMS, Trees.write(items(image.symbols())));
+        for (TableCopy table : image.tables()) {
+            for (int i = 0; i < table.properties().size(); i++) {
+                byte[] rows = table.column(i).toArray(ValueLayout.JAVA_BYTE);
+                if (!isZero(rows)) {
+                    sections.put(section(table, i), rows);
+                }
+            }
+        }
+        return sections;
+    }
+
+    /**
+     * Fills an image of a world of the same prototype.
+     *
+     * @throws CorruptException if the sections are of another one, or contradict each other
+     */
+    public void read(Map<String, byte[]> sections, WorldImage into) {
+        try {
+            readUnchecked(sections, into);
+        } catch (IllegalArgumentException | JacksonException e) {
+            throw new CorruptException("it contradicts itself: " + e.getMessage());
+        }
+    }
+
+    private void readUnchecked(Map<String, byte[]> sections, WorldImage into) {
+        JsonNode world = Trees.read(required(sections, WORLD));
+        if (!Trees.text(world, "byteOrder").equals(ByteOrder.nativeOrder().toString())) {
+            throw new CorruptException("it was written on a machine of the other byte order");
+        }
+        List<JsonNode> tables = Trees.list(world, "tables");
+        if (tables.size() != into.tables().size()) {
+            throw new CorruptException(tables.size() + " kinds, expected " + into.tables().size());
+        }
+        PMap<ItemId, ItemSymbols> items = readItems(Trees.read(required(sections, ITEMS)));
+        for (int i = 0; i < tables.size(); i++) {
+            readTable(tables.get(i), sections, into.tables().get(i));
+        }
+        into.setSymbolic(Trees.integer(world, "frame"), Trees.integer(world, "lastId"), items);
+    }
+
+    private static Map<String, Object> world(WorldImage image) {
+        Map<String, Object> world = new LinkedHashMap<>();
+        world.put("frame", image.frame());
+        world.put("lastId", image.lastId());
+        world.put("byteOrder", ByteOrder.nativeOrder().toString());
+        world.put("tables", image.tables().stream().map(table -> Map.of("kind", table.kind(),
+                "rows", table.rowCount(), "physicsRows", table.physicsRowCount())).toList());
+        return world;
+    }
+
+    /** Texts, and for each item its id, name, text and symbols, and parent and pose if it has one. */
+    private Map<String, Object> items(PMap<ItemId, ItemSymbols> symbols) {
+        Map<String, Integer> places = new LinkedHashMap<>();
+        List<List<Object>> items = new ArrayList<>();
+        for (ItemSymbols item : symbols.values()) {
+            String text = texts.write(item);
+            int place = places.computeIfAbsent(text, any -> places.size());
+            List<Object> entry = new ArrayList<>(
+                    List.of(item.id().value(), item.name(), place, item.given()));
+            Attachment attachment = item.attachment();
+            if (attachment != null) {
+                entry.add(attachment.parent().value());
+                entry.add(ChangeCodec.numbers(attachment.pose()));
+            }
+            items.add(entry);
+        }
+        return Map.of("texts", List.copyOf(places.keySet()), "items", items);
+    }
+
+    private PMap<ItemId, ItemSymbols> readItems(JsonNode tree) {
+        List<ItemDefinition> definitions = Trees.list(tree, "texts").stream()
+                .map(text -> texts.read(text.asString())).toList();
+        Map<ItemId, ItemSymbols> items = new LinkedHashMap<>();
+        for (JsonNode entry : Trees.list(tree, "items")) {
+            var id = new ItemId(Trees.integer(entry.path(0)));
+            int place = (int) Trees.integer(entry.path(2));
+            if (place < 0 || place >= definitions.size()) {
+                throw new CorruptException("item " + id + " has no text");
+            }
+            items.put(id, texts.read(id, entry.path(1).asString(), definitions.get(place))
+                    .withGiven(Trees.values(entry.path(3))).attached(attachment(entry)));
+        }
+        return TreePMap.from(items);
+    }
+
+    private static @Nullable Attachment attachment(JsonNode entry) {
+        if (entry.size() <= 4) {
+            return null;
+        }
+        return new Attachment(new ItemId(Trees.integer(entry.get(4))),
+                ChangeCodec.pose(entry.path(5)));
+    }
+
+    private static void readTable(JsonNode tree, Map<String, byte[]> sections, TableCopy into) {
+        String kind = Trees.text(tree, "kind");
+        if (!kind.equals(into.kind())) {
+            throw new CorruptException("kind " + kind + ", expected " + into.kind());
+        }
+        into.resize((int) Trees.integer(tree, "rows"), (int) Trees.integer(tree, "physicsRows"));
+        for (int i = 0; i < into.properties().size(); i++) {
+            MemorySegment rows = into.column(i);
+            byte[] bytes = sections.get(section(into, i));
+            if (bytes == null) {
+                rows.fill((byte) 0);
+            } else if (bytes.length == rows.byteSize()) {
+                MemorySegment.copy(bytes, 0, rows, ValueLayout.JAVA_BYTE, 0, bytes.length);
+            } else {
+                throw new CorruptException(section(into, i) + " has " + bytes.length
+                        + " bytes, expected " + rows.byteSize());
+            }
+        }
+    }
+
+    private static String section(TableCopy table, int column) {
+        return table.kind() + "." + table.properties().get(column).name();
+    }
+
+    private static byte[] required(Map<String, byte[]> sections, String name) {
+        byte[] bytes = sections.get(name);
+        if (bytes == null) {
+            throw new CorruptException("the section " + name + " is missing");
+        }
+        return bytes;
+    }
+
+    private static boolean isZero(byte[] bytes) {
+        for (byte b : bytes) {
+            if (b != 0) {
+                return false;
+            }
+        }
+        return true;
+    }
+}
