@@ -132,8 +132,8 @@ class CommandLineIT {
         try (var worlds = Files.list(Project.WORLDS)) {
             for (Path world : worlds.filter(w -> Files.exists(w.resolve("world.yaml"))).toList()) {
                 Outcome outcome = Reve.run("check", world.toString());
-                assertThat(outcome.err()).as(world.toString()).isEmpty();
-                assertThat(outcome.code()).isZero();
+                assertThat(outcome.code()).as(outcome.err()).isZero();
+                assertThat(outcome.out()).as(world.toString()).contains(": valid, ");
             }
         }
     }

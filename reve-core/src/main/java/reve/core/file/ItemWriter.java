@@ -232,7 +232,8 @@ public final class ItemWriter {
         return aspect;
     }
 
-    private static boolean isZero(double... values) {
+    /** Whether all are +0, which a world holds that was told nothing. */
+    static boolean isZero(double... values) {
         for (double value : values) {
             if (Double.doubleToRawLongBits(value) != 0) {
                 return false;

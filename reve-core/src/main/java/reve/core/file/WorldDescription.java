@@ -1,5 +1,6 @@
 package reve.core.file;
 
+import java.util.Arrays;
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -39,5 +40,27 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
                 values.stream().mapToDouble(Double::doubleValue).toArray()));
         world.addAll(items);
         return world;
+    }
+
+    /**
+     * This world as it has become: its items and constants as they are now, in an order that gives
+     * the rows that laws see their places. World's thread.
+     *
+     * @param world what was built of this
+     * @param nowLoaded the laws that act on it now
+     */
+    public WorldDescription of(World world, List<LawReference> nowLoaded) {
+        Map<String, List<Double>> now = new LinkedHashMap<>();
+        ItemDefinition constantsItem =
+                world.find(WorldPrototype.WORLD).orElseThrow().definition();
+        for (String property : constantsItem.physicsProperties()) {
+            now.put(property, Arrays.stream(constantsItem.physics(property).orElseThrow())
+                    .boxed().toList());
+        }
+        List<String> bodies = agents.bodies().stream()
+                .filter(body -> world.find(body).isPresent()).toList();
+        return new WorldDescription(name, doc, prototype, timing, nowLoaded, now, camera,
+                new AgentPolicy(bodies, agents.template()),
+                world.itemsInOrderOfRows().stream().map(Item::definition).toList());
     }
 }

@@ -1,7 +1,10 @@
 package reve.core.file;
 
 import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
@@ -43,6 +46,32 @@ public final class WorldFile {
         var problems = new Problems(name);
         return new WorldReader(new Assets(Optional.empty()), problems)
                 .read(WorldSource.parse(content, problems));
+    }
+
+    /**
+     * Writes a world file that {@link #load} reads back to the bit, in place of the one that may be
+     * there: all of it, or nothing. Models and images are named as they were: relative to the
+     * folder of the file that the world came from.
+     *
+     * @throws IllegalArgumentException naming what no world file can hold, such as a world that is
+     *     too large
+     * @throws IOException if the system cannot write it
+     */
+    public static void save(Path path, WorldDescription world) throws IOException {
+        byte[] text = WorldWriter.write(world).getBytes(StandardCharsets.UTF_8);
+        if (text.length > SourceText.MAX_BYTES) {
+            throw new IllegalArgumentException("world " + world.name() + " takes " + text.length
+                    + " bytes as a world file, of which at most " + SourceText.MAX_BYTES
+                    + " are read");
+        }
+        Path target = path.toAbsolutePath();
+        Path part = target.resolveSibling(target.getFileName() + ".part");
+        try {
+            Files.write(part, text);
+            Files.move(part, target, StandardCopyOption.ATOMIC_MOVE);
+        } finally {
+            Files.deleteIfExists(part);
+        }
     }
 
     /** As the other one, of an item that needs no files. */

@@ -37,6 +37,7 @@ final class YamlWriter {
     private static final ImplicitTuple QUOTED = new ImplicitTuple(false, true);
 
     private final ScalarResolver resolver = new CoreScalarResolver(false);
+    private final Allowance values = new Allowance(YamlReader.MAX_VALUES);
     private final Emitter emitter;
 
     private YamlWriter(StringBuilder out) {
@@ -70,7 +71,10 @@ final class YamlWriter {
         }
     }
 
-    /** @param tree maps with texts as keys, collections, String, Boolean and {@link Numeral} */
+    /**
+     * @param tree maps with texts as keys, collections, String, Boolean and {@link Numeral}
+     * @throws IllegalArgumentException if these are more values than would be read
+     */
     static String write(Map<String, ?> tree) {
         var out = new StringBuilder();
         var writer = new YamlWriter(out);
@@ -83,6 +87,10 @@ final class YamlWriter {
     }
 
     private void value(Object value) {
+        if (!values.take(1)) {
+            throw new IllegalArgumentException("more than " + YamlReader.MAX_VALUES
+                    + " values, which no world file may hold");
+        }
         switch (value) {
             case Map<?, ?> mapping -> {
                 emitter.emit(new MappingStartEvent(Optional.empty(), Optional.empty(), true,

@@ -1,7 +1,9 @@
 package reve.worlds.cli;
 
 import java.io.PrintWriter;
+import java.nio.file.Path;
 import java.util.Map;
+import java.util.Optional;
 import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
@@ -9,6 +11,7 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.Spec;
 import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.worlds.server.RunReport;
 import reve.worlds.server.Simulation;
@@ -36,11 +39,18 @@ public final class RunCommand implements Callable<Integer> {
             description = "Show how much each law changed momentum, angular momentum and energy.")
     private boolean ledger;
 
+    @Option(names = "--save", paramLabel = "FILE",
+            description = "Write the world as it is at the end to a world file.")
+    private Optional<Path> save = Optional.empty();
+
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
     @Override
     public Integer call() throws Exception {
+        if (save.isPresent()) {
+            WritableFile.require(spec, "--save", save.get());
+        }
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
@@ -48,6 +58,9 @@ public final class RunCommand implements Callable<Integer> {
                 Interrupt _ = new Interrupt(simulation.loop()::stop)) {
             simulation.physics().setLedger(ledger);
             RunReport report = run(simulation, frames);
+            if (save.isPresent()) {
+                WorldFile.save(save.get(), simulation.descriptionNow());
+            }
             if (json) {
                 Json.print(spec, fields(report, simulation));
             } else {

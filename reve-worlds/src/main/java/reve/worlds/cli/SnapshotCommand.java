@@ -1,7 +1,6 @@
 package reve.worlds.cli;
 
 import java.io.PrintWriter;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
 import java.util.Map;
@@ -13,7 +12,6 @@ import picocli.CommandLine.ITypeConverter;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
-import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 import picocli.CommandLine.TypeConversionException;
 import reve.core.file.WorldDescription;
@@ -51,11 +49,7 @@ public final class SnapshotCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
-        Path file = out.toAbsolutePath().normalize();
-        if (!Files.isDirectory(file.getParent())) {
-            throw new ParameterException(spec.commandLine(),
-                    "--out " + out + ": there is no folder " + file.getParent() + "; make it first");
-        }
+        Path file = WritableFile.require(spec, "--out", out);
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--at", at, description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST);

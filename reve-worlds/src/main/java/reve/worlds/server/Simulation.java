@@ -136,6 +136,12 @@ public final class Simulation implements AutoCloseable {
         return world;
     }
 
+    /** The world as it has become, with the laws that act on it now. World's thread. */
+    public WorldDescription descriptionNow() {
+        return description.of(world, physics.laws().libraries().stream().map(library ->
+                new LawReference(library.name(), library.parameters(), library.name())).toList());
+    }
+
     public FrameBus bus() {
         return bus;
     }

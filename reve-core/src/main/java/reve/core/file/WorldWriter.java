@@ -1,0 +1,155 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.unit.Unit;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.WorldPrototype;
+
+/**
+ * Worlds as text of one world file: the same text for the same world, and reading it gives the world
+ * back to the bit. Prefabs, repetitions and included files are written out; models and images stay
+ * files of their own.
+ */
+public final class WorldWriter {
+    private final WorldDescription world;
+    private final ItemWriter items;
+
+    private WorldWriter(WorldDescription world) {
+        this.world = world;
+        this.items = new ItemWriter(world.prototype());
+    }
+
+    /**
+     * The text of a world file.
+     *
+     * @throws IllegalArgumentException naming the item or property that no world file can hold
+     */
+    public static String write(WorldDescription world) {
+        return YamlWriter.write(new WorldWriter(world).tree());
+    }
+
+    private Map<String, Object> tree() {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("reve", YamlWriter.Numeral.of(WorldFile.FORMAT_VERSION));
+        tree.put("name", world.name());
+        if (!world.doc().isEmpty()) {
+            tree.put("doc", world.doc());
+        }
+        tree.put("prototype", world.prototype().name());
+        putIfAny(tree, "properties", properties());
+        tree.put("frame", frame());
+        putIfAny(tree, "laws", world.laws().stream().map(WorldWriter::law).toList());
+        if (!constants().isEmpty()) {
+            tree.put("constants", constants());
+        }
+        world.camera().ifPresent(camera -> tree.put("camera", camera(camera)));
+        if (!world.agents().equals(AgentPolicy.none())) {
+            tree.put("agents", agents());
+        }
+        putIfAny(tree, "items", world.items().stream().map(items::tree).toList());
+        return tree;
+    }
+
+    private static void putIfAny(Map<String, Object> tree, String key, List<?> values) {
+        if (!values.isEmpty()) {
+            tree.put(key, values);
+        }
+    }
+
+    private List<Object> properties() {
+        WorldPrototype prototype = world.prototype();
+        int standard = WorldPrototype.standard(prototype.name()).properties().size();
+        List<Object> own = new ArrayList<>();
+        for (PropertyDescriptor property : prototype.properties().subList(standard,
+                prototype.properties().size())) {
+            own.add(property(property));
+        }
+        return own;
+    }
+
+    private Map<String, Object> property(PropertyDescriptor property) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", property.name());
+        tree.put("kind", property.kind());
+        type(property).ifPresent(type -> tree.put("type", type));
+        if (property.components() != 1) {
+            tree.put("components", YamlWriter.Numeral.of(property.components()));
+        }
+        if (!property.unit().equals(Unit.ONE)) {
+            tree.put("unit", property.unit().symbol());
+        }
+        if (!property.doc().isEmpty()) {
+            tree.put("doc", property.doc());
+        }
+        return tree;
+    }
+
+    /** Empty for the prototype's own reals. */
+    private Optional<String> type(PropertyDescriptor property) {
+        if (property.type() == world.prototype().realType()) {
+            return Optional.empty();
+        }
+        return switch (property.type()) {
+            case I32 -> Optional.of("i32");
+            case U32 -> Optional.of("u32");
+            case F32, F64, REF -> throw new IllegalArgumentException("property " + property.name()
+                    + " is of type " + property.type() + ", which no world file of prototype "
+                    + world.prototype().name() + " can declare");
+        };
+    }
+
+    private Map<String, Object> frame() {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("rate", YamlWriter.Numeral.of(world.timing().framesPerSecond()));
+        tree.put("steps", YamlWriter.Numeral.of(world.timing().stepsPerFrame()));
+        return tree;
+    }
+
+    private static Object law(LawReference law) {
+        if (law.parameters().isEmpty()) {
+            return law.name();
+        }
+        Map<String, Object> parameters = new LinkedHashMap<>();
+        law.parameters().forEach((name, value) ->
+                parameters.put(name, YamlWriter.Numeral.of(value)));
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("name", law.name());
+        tree.put("parameters", parameters);
+        return tree;
+    }
+
+    private Map<String, Object> constants() {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        for (PropertyDescriptor property : world.prototype().properties()) {
+            List<Double> values = world.constants().get(property.name());
+            if (property.kind().equals(WorldPrototype.WORLD) && values != null) {
+                double[] numbers = values.stream().mapToDouble(Double::doubleValue).toArray();
+                if (!ItemWriter.isZero(numbers)) {
+                    tree.put(property.name(), ItemWriter.quantity(property.type(), numbers));
+                }
+            }
+        }
+        return tree;
+    }
+
+    private static Map<String, Object> camera(CameraDescription camera) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("eye", ItemWriter.quantity(ScalarType.F64, camera.eye()));
+        tree.put("target", ItemWriter.quantity(ScalarType.F64, camera.target()));
+        tree.put("up", ItemWriter.quantity(ScalarType.F64, camera.up()));
+        tree.put("fov", YamlWriter.Numeral.of(camera.verticalFovRadians()));
+        return tree;
+    }
+
+    private Map<String, Object> agents() {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        putIfAny(tree, "bodies", world.agents().bodies());
+        world.agents().template().ifPresent(body -> tree.put("body", items.template(body)));
+        return tree;
+    }
+}

@@ -1,0 +1,182 @@
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Optional;
+import java.util.Random;
+import org.junit.jupiter.api.Test;
+import reve.core.world.Column;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
+import reve.core.world.OffHeapArena;
+import reve.core.world.ScalarType;
+import reve.core.world.Table;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+/**
+ * Worlds survive being written and read. The seed is printed; -Dreve.test.seed=N repeats it, and
+ * -Dreve.test.worlds=N sets how many there are.
+ */
+class WorldWriterTest {
+    private static final int WORLDS = Integer.getInteger("reve.test.worlds", 200);
+
+    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final Random random = new Random(seed);
+
+    WorldWriterTest() {
+        System.out.println(getClass().getSimpleName() + " seed " + seed);
+    }
+
+    @Test
+    void writesWhatAWorldFileSays() throws WorldFileException {
+        WorldDescription world = WorldFileTest.parse("""
+                reve: 1
+                name: tiny
+                doc: "Two: bodies."
+                frame: {steps: 4}
+                properties:
+                  - {name: heat, kind: body, unit: K, doc: How hot.}
+                  - {name: cell, kind: body, type: i32, components: 2}
+                laws: [drag, {name: barnes_hut, parameters: {theta: 0.7, range: 2 km}}]
+                constants: {gravity: [0, -9.81, 0], softening: 0}
+                camera: {eye: [0, 1, 4], target: [0, 0, 0], fov: 90 deg}
+                agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}}
+                prefabs: {p: {physics: {mass: 2 g, cell: [1, -2]}}}
+                items:
+                  - {name: a, like: p}
+                  - {name: b, like: p, physics: {heat: 300}}
+                  - {name: s, kind: spring, physics: {end1: b, end2: a, length: 3 cm}}
+                  - {name: flag, parent: a, physical: {location: [0, 1, 0]}}
+                """);
+
+        assertThat(WorldWriter.write(world)).isEqualTo("""
+                reve: 1
+                name: tiny
+                doc: 'Two: bodies.'
+                prototype: si-f64
+                properties:
+                  - {name: heat, kind: body, unit: K, doc: How hot.}
+                  - {name: cell, kind: body, type: i32, components: 2}
+                frame: {rate: 60, steps: 4}
+                laws:
+                  - drag
+                  - name: barnes_hut
+                    parameters: {theta: 0.7, range: 2000}
+                constants: {gravity: [0, -9.81, 0]}
+                camera: {eye: [0, 1, 4], target: [0, 0, 0], up: [0, 1, 0], fov: 1.5707963267948966}
+                agents:
+                  bodies: [a]
+                  body:
+                    physical: {shape: sphere, radius: 0.01}
+                items:
+                  - name: a
+                    physics: {mass: 0.002, cell: [1, -2]}
+                  - name: b
+                    physics: {mass: 0.002, heat: 300, cell: [1, -2]}
+                  - name: s
+                    kind: spring
+                    physics: {length: 0.03, end1: b, end2: a}
+                  - name: flag
+                    parent: a
+                    physical: {location: [0, 1, 0]}
+                """);
+    }
+
+    @Test
+    void randomWorldsAreReadBackToTheBit() throws WorldFileException {
+        for (int n = 0; n < WORLDS; n++) {
+            try (var arena = new OffHeapArena()) {
+                WorldDescription begin = randomDescription(n);
+                World live = begin.build(arena);
+                change(live);
+                WorldDescription now = begin.of(live, begin.laws());
+                String written = WorldWriter.write(now);
+
+                WorldDescription read = WorldFileTest.parse(written);
+
+                String what = "seed " + seed + ", world " + n + "\n" + written;
+                assertThat(WorldWriter.write(read)).as(what).isEqualTo(written);
+                World again = read.build(arena);
+                requireSameColumns(again, live, what);
+                assertThat(WorldWriter.write(read.of(again, read.laws()))).as(what)
+                        .isEqualTo(written);
+            }
+        }
+    }
+
+    private WorldDescription randomDescription(int n) throws WorldFileException {
+        WorldDescription shell = WorldFileTest.parse("reve: 1\nname: world " + n
+                + "\nprototype: " + (random.nextBoolean() ? "si-f32" : "si-f64")
+                + "\nproperties: [{name: heat, kind: body, unit: mK}, {name: size_x, kind: lamp}]"
+                + "\nconstants: {gravity: [0, " + random.nextGaussian() + ", -0.0]}\n");
+        List<ItemDefinition> items = new ArrayList<>();
+        for (int i = 0; i < random.nextInt(1, 12); i++) {
+            items.add(RandomItems.body(random, shell.prototype(), "b" + i));
+        }
+        List<String> held = items.stream().filter(ItemDefinition::hasPhysics)
+                .map(ItemDefinition::name).toList();
+        for (int i = 0; i < 4 && held.size() > 1; i++) {
+            int end = random.nextInt(held.size());
+            items.add(random.nextInt(items.size()), ItemDefinition.named("s" + i).kind("spring")
+                    .physics("length", random.nextDouble())
+                    .reference("end1", held.get(end))
+                    .reference("end2", held.get((end + 1) % held.size())).build());
+        }
+        items.add(ItemDefinition.named("lamp").kind("lamp").physics("size_x", 0).build());
+        return new WorldDescription(shell.name(), RandomItems.text(random), shell.prototype(),
+                shell.timing(), shell.laws(), shell.constants(), Optional.empty(),
+                AgentPolicy.none(), items);
+    }
+
+    /** What happens to a world: rows move, and children are attached. */
+    private void change(World world) {
+        for (Item item : world.items()) {
+            if (item.kind().equals(WorldPrototype.BODY) && random.nextInt(4) == 0) {
+                world.removeCascade(item.id());
+            }
+        }
+        for (int i = 0; i < 3; i++) {
+            world.add(ItemDefinition.named("late " + i).symbol("n", i).build());
+        }
+        Item child = world.find("late 0").orElseThrow();
+        world.attach(child.id(), world.find("late 1").orElseThrow().id());
+    }
+
+    /** Rows that laws see must be the same, scenery may be in another order. */
+    private static void requireSameColumns(World world, World expected, String what) {
+        for (Table table : expected.tables()) {
+            Table other = world.table(table.kind());
+            assertThat(other.rowCount()).as(what).isEqualTo(table.rowCount());
+            assertThat(other.physicsRowCount()).as(what).isEqualTo(table.physicsRowCount());
+            for (int row = 0; row < table.rowCount(); row++) {
+                String name = expected.item(table.idAt(row)).name();
+                int otherRow = other.rowOf(world.find(name).orElseThrow().id());
+                if (row < table.physicsRowCount()) {
+                    assertThat(otherRow).as("row of " + name + ", " + what).isEqualTo(row);
+                }
+                for (Column column : table.columns()) {
+                    assertThat(values(world, other.column(column.name()), otherRow))
+                            .as(column.name() + " of " + name + ", " + what)
+                            .isEqualTo(values(expected, column, row));
+                }
+            }
+        }
+    }
+
+    /** Bits of numbers and names of items. */
+    private static List<Object> values(World world, Column column, int row) {
+        List<Object> values = new ArrayList<>();
+        for (int i = 0; i < column.components(); i++) {
+            values.add(column.type() == ScalarType.REF
+                    && row < world.table(column.descriptor().kind()).physicsRowCount()
+                    ? world.item(new ItemId(column.getReference(row, i))).name()
+                    : column.type() == ScalarType.REF ? ""
+                            : Double.doubleToRawLongBits(column.getDouble(row, i)));
+        }
+        return values;
+    }
+}
