@@ -13,6 +13,9 @@ import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.SemanticAspect;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.SymbolType;
 import reve.core.world.WorldPrototype;
 
 /** Reads items with their four aspects, and then what they say about each other. */
@@ -240,14 +243,23 @@ final class ItemReader {
 
     private void readSymbols(Node aspect, ItemDefinition.Builder item) {
         for (Node symbol : aspect.children()) {
-            OperandReader.constant(symbol).ifPresent(value -> {
+            symbolValue(symbol).ifPresent(value -> {
                 try {
-                    item.symbol(symbol.key(), value);
+                    item.symbol(symbol.key(), SemanticAspect.requireSettable(prototype,
+                            item.name(), symbol.key(), value));
                 } catch (IllegalArgumentException refused) {
                     problems.addAtKey(symbol, refused.getMessage());
                 }
             });
         }
+    }
+
+    /** A number of a symbol that has a unit may name another, as properties may. */
+    private Optional<Object> symbolValue(Node symbol) {
+        Optional<SymbolDescriptor> number = prototype.symbol(symbol.key())
+                .filter(declared -> declared.type() == SymbolType.NUMBER);
+        return number.isEmpty() ? OperandReader.constant(symbol)
+                : new Quantities(problems).number(symbol, number.get().unit()).map(value -> value);
     }
 
     private void readPhysics(Node aspect, String kind, ItemDefinition.Builder item) {

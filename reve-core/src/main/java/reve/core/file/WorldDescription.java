@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import reve.core.frame.Timing;
+import reve.core.rule.Rule;
 import reve.core.world.ColumnArena;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
@@ -21,14 +22,17 @@ import reve.core.world.WorldPrototype;
  * @param laws in the order in which they are loaded
  * @param constants values of the properties of the item {@code world}, by name [their units]
  * @param camera empty if pictures choose their own
+ * @param rules which symbols items get, in the order in which they are evaluated
  * @param items in the order of the file; they may refer to each other
  */
 public record WorldDescription(String name, String doc, WorldPrototype prototype, Timing timing,
         List<LawReference> laws, Map<String, List<Double>> constants,
-        Optional<CameraDescription> camera, AgentPolicy agents, List<ItemDefinition> items) {
+        Optional<CameraDescription> camera, AgentPolicy agents, List<Rule> rules,
+        List<ItemDefinition> items) {
     public WorldDescription {
         laws = List.copyOf(laws);
         constants = Collections.unmodifiableMap(new LinkedHashMap<>(constants));
+        rules = List.copyOf(rules);
         items = List.copyOf(items);
     }
 

@@ -8,6 +8,7 @@ import java.util.Map;
 import java.util.Optional;
 import reve.core.frame.Timing;
 import reve.core.mesh.Assets;
+import reve.core.rule.Rule;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
@@ -30,7 +31,9 @@ final class WorldReader {
     WorldDescription read(WorldSource source) throws WorldFileException {
         Node root = source.world();
         var prototypeReader = new PrototypeReader(problems);
-        WorldPrototype prototype = prototypeReader.read(root, source.all("properties"));
+        var ruleReader = new RuleReader(problems);
+        WorldPrototype prototype = ruleReader.readSymbols(source.all("symbols"),
+                prototypeReader.read(root, source.all("properties")));
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
         var expansion = new Expansion(source, problems);
         var itemReader =
@@ -41,9 +44,10 @@ final class WorldReader {
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
         AgentPolicy agents = root.get("agents").isEmpty() ? AgentPolicy.none()
                 : agents(root.get("agents").get(), itemReader);
+        List<Rule> rules = ruleReader.readRules(source.all("rules"), prototype);
         problems.throwIfAny();
         return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
-                timing(root), laws, constants, camera, agents, items);
+                timing(root), laws, constants, camera, agents, rules, items);
     }
 
     private static String text(Node node, String key) {

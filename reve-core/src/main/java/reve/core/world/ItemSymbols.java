@@ -30,8 +30,11 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     static final String CLASS = "class";
     static final String DIMENSIONS = "dimensions";
 
+    static final String LOCATION = "location";
+
     /** Standard symbols that cannot be set. */
-    public static final Set<String> DERIVED = Set.of(NAME, DIMENSIONS);
+    public static final Set<String> DERIVED =
+            Set.of(NAME, DIMENSIONS, LOCATION, "near", "on", "inside", "touching");
 
     /** What is symbolic in a definition; attached to nothing, whatever it says. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {

@@ -1,8 +1,11 @@
 package reve.core.world;
 
+import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Optional;
 import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
 
 /** What agents perceive of an item: symbols with text, truth or a number. World's thread only. */
 public final class SemanticAspect {
@@ -13,9 +16,20 @@ public final class SemanticAspect {
         this.item = item;
     }
 
-    /** A designer's symbol or a standard one ({@code name}, {@code class}, {@code dimensions}). */
+    /**
+     * A symbol of the designer's or of a rule, or a standard one: {@code name}, {@code class},
+     * {@code dimensions}, and of bodies {@code location} (three numbers [m]) and {@link Relations}:
+     * {@code near}, {@code on}, {@code inside}, {@code touching} (lists of names).
+     */
     public Optional<Object> get(String symbol) {
         item.checkedRow();
+        if (symbol.equals(ItemSymbols.LOCATION) && !item.physical().isEmpty()) {
+            double[] at = item.physical().location();
+            return Optional.of(List.of(at[0], at[1], at[2]));
+        }
+        if (Relations.NAMES.contains(symbol)) {
+            return item.world().relations().of(item.id(), symbol).map(names -> names);
+        }
         return item.symbols().get(symbol);
     }
 
@@ -54,7 +68,29 @@ public final class SemanticAspect {
         }
     }
 
-    /** All symbols, standard ones first: see {@link ItemSymbols#symbols()}. */
+    /**
+     * Gives the item a symbol that follows from others, in DERIVE; a symbol of that name that the
+     * designer or an action gave hides it. Such changes are not noted: whoever has the rest of the
+     * world can work them out.
+     *
+     * @param value as {@link #set}, or null to take the symbol away
+     * @throws IllegalArgumentException as {@link #set}
+     */
+    public void derive(String symbol, @Nullable Object value) {
+        item.checkedRow();
+        PMap<String, Object> before = item.symbols().derived();
+        Object checked = value == null ? null
+                : requireSettable(item.world().prototype(), item.name(), symbol, value);
+        if (!Objects.equals(before.get(symbol), checked)) {
+            item.world().setSymbols(item, item.symbols().withDerived(
+                    checked == null ? before.minus(symbol) : before.plus(symbol, checked)));
+        }
+    }
+
+    /**
+     * All symbols that are kept, standard ones first: see {@link ItemSymbols#symbols()}. Location
+     * and relations, which are worked out when asked for, are not among them.
+     */
     public Map<String, Object> symbols() {
         item.checkedRow();
         return item.symbols().symbols();

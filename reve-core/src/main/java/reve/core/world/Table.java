@@ -108,7 +108,8 @@ public final class Table implements TableView {
         return references;
     }
 
-    Item itemAt(int row) {
+    /** The item in a row. */
+    public Item itemAt(int row) {
         return items[row];
     }
 

@@ -47,6 +47,7 @@ public final class World {
     private final References references;
     private final SymbolIndex symbolIndex = new SymbolIndex();
     private final Forces forces;
+    private final Relations relations;
     private final Space space;
     private long boundsVersion;
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
@@ -75,6 +76,7 @@ public final class World {
         references = new References(tables, items);
         forces = new Forces(this);
         space = spaceOf(table(WorldPrototype.BODY));
+        relations = new Relations(table(WorldPrototype.BODY), space, id -> item(id).name());
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
         insert(constants.build(), true);
     }
@@ -246,6 +248,12 @@ public final class World {
     public Space space() {
         checkOwner();
         return space;
+    }
+
+    /** How bodies are to each other, as of the last DERIVE. */
+    public Relations relations() {
+        checkOwner();
+        return relations;
     }
 
     /** The boxes around bodies were worked out anew; told in DERIVE. */

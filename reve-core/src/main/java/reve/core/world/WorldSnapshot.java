@@ -78,6 +78,11 @@ public final class WorldSnapshot implements AutoCloseable {
         return space;
     }
 
+    /** How bodies were to each other; as {@link #space()}. */
+    public Relations relations() {
+        return new Relations(table(WorldPrototype.BODY), space(), id -> symbols.get(id).name());
+    }
+
     /** What is symbolic about all items, in the order of their ids; valid for ever. */
     public PMap<ItemId, ItemSymbols> symbols() {
         return symbols;

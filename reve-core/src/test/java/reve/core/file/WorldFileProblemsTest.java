@@ -27,7 +27,7 @@ class WorldFileProblemsTest {
     @ParameterizedTest(name = "{0}")
     @CsvSource(delimiter = '!', quoteCharacter = '\'', textBlock = """
             prototyp: si-f64                      ! 1  ! unknown key `prototyp`; did you mean `prototype`?
-            colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, agents, prefabs, items
+            colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, agents, prefabs, symbols, rules, items
             prototype: si-f46                     ! 12 ! prototype: found text `si-f46`, expected one of `si-f64`, `si-f32`; did you mean `si-f64`?
             frame: {rate: 60.5}                   ! 15 ! rate: found number 60.5, expected a whole number
             frame: {rate: 0}                      ! 15 ! rate: found number 0, expected at least 1

@@ -16,6 +16,7 @@ import reve.core.frame.FrameListener;
 import reve.core.frame.FrameLoop;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.rule.Rules;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
 import reve.pe.PhysicsEngine;
@@ -94,6 +95,7 @@ public final class Simulation implements AutoCloseable {
         commands.subscribeTo(bus);
         bus.subscribe(FramePhase.PHYSICS, "physics", physics);
         DerivedColumns.subscribeTo(bus);
+        new Rules(world, description.rules()).subscribeTo(bus);
         onPublish("snapshots", this::publish);
         onPublish("run events", events);
     }

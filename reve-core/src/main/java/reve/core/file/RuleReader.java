@@ -1,0 +1,144 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.rule.Expression;
+import reve.core.rule.ExpressionException;
+import reve.core.rule.ExpressionType;
+import reve.core.rule.Rule;
+import reve.core.rule.Scope;
+import reve.core.unit.Unit;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.SymbolType;
+import reve.core.world.WorldPrototype;
+
+/** Reads what a world says of semantic symbols: their types, and rules that give them. */
+final class RuleReader {
+    private final Problems problems;
+
+    RuleReader(Problems problems) {
+        this.problems = problems;
+    }
+
+    /** The prototype with the declared symbols. */
+    WorldPrototype readSymbols(List<Node> symbols, WorldPrototype prototype) {
+        List<SymbolDescriptor> declared = new ArrayList<>();
+        Map<String, Node> first = new LinkedHashMap<>();
+        for (Node node : symbols) {
+            if (isNew(node, first, "symbol")) {
+                PrototypeReader.unit(node, problems).flatMap(unit -> symbol(node, unit))
+                        .ifPresent(declared::add);
+            }
+        }
+        return prototype.withSymbols(declared);
+    }
+
+    /** All rules, in the order of the file. */
+    List<Rule> readRules(List<Node> nodes, WorldPrototype prototype) {
+        List<Rule> rules = new ArrayList<>();
+        Map<String, Node> first = new LinkedHashMap<>();
+        Map<String, Scope> scopes = new HashMap<>();
+        for (Node node : nodes) {
+            if (isNew(node, first, "rule")) {
+                rule(node, prototype, scopes).ifPresent(rules::add);
+            }
+        }
+        requireOrder(rules, first);
+        return rules;
+    }
+
+    private boolean isNew(Node node, Map<String, Node> first, String what) {
+        Node before = first.putIfAbsent(node.key(), node);
+        if (before != null) {
+            problems.addAtKey(node, "duplicate " + what + " `" + Node.shorten(node.key())
+                    + "`, first " + Problems.place(before, node));
+        }
+        return before == null;
+    }
+
+    private Optional<SymbolDescriptor> symbol(Node node, Unit unit) {
+        SymbolType type = switch (node.get("type").flatMap(Node::text).orElse("text")) {
+            case "number" -> SymbolType.NUMBER;
+            case "truth" -> SymbolType.TRUTH;
+            case "list" -> SymbolType.LIST;
+            default -> SymbolType.TEXT;
+        };
+        try {
+            return Optional.of(new SymbolDescriptor(node.key(), type, unit, doc(node)));
+        } catch (IllegalArgumentException refused) {
+            problems.addAtKey(node, refused.getMessage());
+            return Optional.empty();
+        }
+    }
+
+    private Optional<Rule> rule(Node node, WorldPrototype prototype, Map<String, Scope> scopes) {
+        Optional<Node> is = node.isMapping() ? node.get("is") : Optional.of(node);
+        String kind = node.get("kind").flatMap(Node::text).orElse(WorldPrototype.BODY);
+        if (!prototype.kinds().contains(kind)) {
+            problems.add(node.get("kind").orElseThrow(), "kind: there is no kind `" + kind + "`"
+                    + Suggestion.of(kind, prototype.kinds()));
+            return Optional.empty();
+        }
+        Scope scope = scopes.computeIfAbsent(kind, known -> Scope.ofItem(prototype, known));
+        return is.filter(text -> text.text().isPresent())
+                .flatMap(text -> expression(text, scope, type(prototype, node.key())))
+                .flatMap(expression -> rule(node, kind, expression));
+    }
+
+    private Optional<Rule> rule(Node node, String kind, Expression expression) {
+        try {
+            return Optional.of(new Rule(node.key(), kind,
+                    node.get("class").flatMap(Node::text), expression, doc(node)));
+        } catch (IllegalArgumentException refused) {
+            problems.addAtKey(node, refused.getMessage());
+            return Optional.empty();
+        }
+    }
+
+    private Optional<Expression> expression(Node node, Scope scope, ExpressionType expected) {
+        String text = node.text().orElseThrow();
+        try {
+            Expression expression = scope.compile(text);
+            if (!expression.type().suits(expected)) {
+                problems.add(node, node.label() + ": is " + expression.type().words()
+                        + ", the symbol is declared as " + expected.words());
+                return Optional.empty();
+            }
+            return Optional.of(expression);
+        } catch (ExpressionException refused) {
+            problems.addInText(node, refused.offset(), node.label() + ": " + refused.getMessage());
+            return Optional.empty();
+        }
+    }
+
+    private static ExpressionType type(WorldPrototype prototype, String symbol) {
+        return prototype.symbol(symbol).map(SymbolDescriptor::type).map(type -> switch (type) {
+            case TEXT -> ExpressionType.TEXT;
+            case NUMBER -> ExpressionType.NUMBER;
+            case TRUTH -> ExpressionType.TRUTH;
+            case LIST -> ExpressionType.LIST;
+        }).orElse(ExpressionType.ANY);
+    }
+
+    /** A rule reads what rules before it give, not what it gives itself or a later one does. */
+    private void requireOrder(List<Rule> rules, Map<String, Node> nodes) {
+        for (int i = 0; i < rules.size(); i++) {
+            Rule rule = rules.get(i);
+            for (Rule later : rules.subList(i, rules.size())) {
+                if (rule.expression().uses().contains("semantic." + later.symbol())) {
+                    problems.addAtKey(nodes.get(rule.symbol()), "rule " + rule.symbol() + " reads "
+                            + (rule == later ? "what it gives itself" : "what rule "
+                                    + later.symbol() + " gives, which comes later"));
+                }
+            }
+        }
+    }
+
+    private static String doc(Node node) {
+        return node.get("doc").flatMap(Node::text).orElse("");
+    }
+}

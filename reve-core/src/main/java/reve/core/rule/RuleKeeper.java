@@ -1,0 +1,164 @@
+package reve.core.rule;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import org.jspecify.annotations.Nullable;
+import reve.core.unit.Unit;
+import reve.core.world.Column;
+import reve.core.world.Item;
+import reve.core.world.Relations;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.Table;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
+
+/**
+ * Keeps the symbol of one rule current. For each row it remembers what the rule read there last: the
+ * same in, the same out.
+ */
+final class RuleKeeper {
+    private static final String CLASS = "class";
+    private static final String PHYSICS = "physics.";
+    private static final String PHYSICAL = "physical.";
+
+    private final World world;
+    private final Rule rule;
+    private final Table table;
+    private final Bindings bindings;
+    private final Unit unit;
+    /** What the rule reads; if that cannot be listed, it is evaluated every time. */
+    private final List<Column> columns = new ArrayList<>();
+    private final List<String> symbols = new ArrayList<>();
+    private final boolean listed;
+    private final int numbersPerRow;
+    private long[] ids = {};
+    private long[] numbers = {};
+    private @Nullable Object[] texts = {};
+    private boolean told;
+
+    RuleKeeper(World world, Rule rule) {
+        this.world = world;
+        this.rule = rule;
+        this.table = world.table(rule.kind());
+        this.bindings = rule.expression().bindings();
+        this.unit = world.prototype().symbol(rule.symbol()).map(SymbolDescriptor::unit)
+                .orElse(Unit.ONE);
+        rule.itemClass().ifPresent(wanted -> symbols.add(CLASS));
+        boolean all = true;
+        for (String name : rule.expression().uses()) {
+            all &= list(name);
+        }
+        listed = all;
+        numbersPerRow = columns.stream().mapToInt(Column::components).sum();
+    }
+
+    /** Adds what a name reads to the lists; false if it reads more than can be compared. */
+    private boolean list(String name) {
+        String symbol = Rule.symbolRead(name);
+        if (name.startsWith(PHYSICS)) {
+            columns.add(table.column(name.substring(PHYSICS.length())));
+        } else if (name.startsWith(PHYSICAL)) {
+            String property = name.substring(PHYSICAL.length());
+            columns.add(table.column(property.equals("location") ? "position" : property));
+        } else if (name.equals("item.name")) {
+            symbols.add("name");
+        } else if (symbol != null && !Relations.NAMES.contains(symbol)) {
+            if (symbol.equals("location") && rule.kind().equals(WorldPrototype.BODY)) {
+                columns.add(table.column("position"));
+            } else {
+                symbols.add(symbol);
+            }
+        } else {
+            return name.equals("item.kind");
+        }
+        return true;
+    }
+
+    void update(long frame) {
+        int rows = rule.needsPhysics() ? table.physicsRowCount() : table.rowCount();
+        makeRoom(rows);
+        for (int row = 0; row < rows; row++) {
+            Item item = table.itemAt(row);
+            if (hasChanged(row, item) || !listed) {
+                give(item, applies(item) ? evaluate(item, frame) : null, frame);
+            }
+        }
+        for (int row = rows; row < table.rowCount(); row++) {
+            give(table.itemAt(row), null, frame); // scenery that had physics
+        }
+    }
+
+    private void makeRoom(int rows) {
+        if (ids.length < rows) {
+            int room = Math.max(rows, 2 * ids.length);
+            ids = Arrays.copyOf(ids, room);
+            numbers = Arrays.copyOf(numbers, room * numbersPerRow);
+            texts = Arrays.copyOf(texts, room * symbols.size());
+        }
+    }
+
+    /** Compares what the rule reads of the item with what it read in that row, and remembers it. */
+    private boolean hasChanged(int row, Item item) {
+        boolean changed = ids[row] != item.id().value();
+        ids[row] = item.id().value();
+        int at = row * numbersPerRow;
+        for (int i = 0; i < columns.size(); i++) {
+            Column column = columns.get(i);
+            for (int component = 0; component < column.components(); component++, at++) {
+                long bits = Double.doubleToRawLongBits(column.getDouble(row, component));
+                changed |= numbers[at] != bits;
+                numbers[at] = bits;
+            }
+        }
+        at = row * symbols.size();
+        for (int i = 0; i < symbols.size(); i++, at++) {
+            Object value = item.semantic().get(symbols.get(i)).orElse(null);
+            changed |= !Objects.equals(texts[at], value);
+            texts[at] = value;
+        }
+        return changed;
+    }
+
+    private boolean applies(Item item) {
+        return rule.itemClass().isEmpty()
+                || rule.itemClass().equals(item.semantic().get(CLASS));
+    }
+
+    private @Nullable Object evaluate(Item item, long frame) {
+        try {
+            Object value = rule.expression().evaluate(bindings.of(item));
+            return value instanceof Double number ? number / unit.scale() : value;
+        } catch (EvaluationException failed) {
+            tell(item, frame, failed);
+            return null;
+        }
+    }
+
+    private void give(Item item, @Nullable Object value, long frame) {
+        try {
+            item.semantic().derive(rule.symbol(), value);
+        } catch (IllegalArgumentException refused) {
+            item.semantic().derive(rule.symbol(), null);
+            tell(item, frame, refused);
+        }
+    }
+
+    private void tell(Item item, long frame, Exception failed) {
+        if (told) {
+            return;
+        }
+        told = true;
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("phase", "DERIVE");
+        fields.put("source", "rule " + rule.symbol());
+        fields.put("error", failed.getClass().getSimpleName());
+        fields.put("message", item + " gets no " + rule.symbol() + ": " + failed.getMessage()
+                + " (told once; the same may hold for other items)");
+        world.raise(new WorldEvent(frame, "fault", fields));
+    }
+}

@@ -1,0 +1,150 @@
+package reve.core.world;
+
+import java.util.ArrayList;
+import java.util.Comparator;
+import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+import java.util.TreeSet;
+import java.util.function.Function;
+import reve.core.space.Box;
+
+/**
+ * How bodies that have a shape are to each other, by the boxes around them as the last DERIVE left
+ * them. Worked out when asked for; who does not ask pays nothing. Same thread as the world or
+ * snapshot.
+ *
+ * <p>What is small is told from the boxes: the size of two bodies is the smaller of their boxes'
+ * diagonals, and the tolerance a hundredth of it.
+ * <ul>
+ *   <li>{@code near}: the gap between the boxes is at most the size
+ *   <li>{@code touching}: the gap is at most the tolerance
+ *   <li>{@code on}: the bottom of the one is at the top of the other within the tolerance, and seen
+ *       from above they overlap
+ *   <li>{@code inside}: the one box is within the other, give or take the tolerance, and smaller
+ * </ul>
+ */
+public final class Relations {
+    /** All of them. */
+    public static final Set<String> NAMES = Set.of("near", "on", "inside", "touching");
+    /** Most items that are told for one item and relation. */
+    public static final int MAX_ITEMS = 32;
+
+    private static final double TOLERANCE = 0.01;
+
+    private final TableView bodies;
+    private final Space space;
+    private final Function<ItemId, String> nameOf;
+
+    /** @param nameOf names of items in the table */
+    Relations(TableView bodies, Space space, Function<ItemId, String> nameOf) {
+        this.bodies = bodies;
+        this.space = space;
+        this.nameOf = nameOf;
+    }
+
+    /** Two boxes, seen from the first. */
+    private record Pair(double[] low, double[] high, double[] otherLow, double[] otherHigh) {
+        double size() {
+            return Math.min(diagonal(low, high), diagonal(otherLow, otherHigh));
+        }
+
+        double gap() {
+            double sum = 0;
+            for (int axis = 0; axis < 3; axis++) {
+                double along = Math.max(0, Math.max(otherLow[axis] - high[axis],
+                        low[axis] - otherHigh[axis]));
+                sum += along * along;
+            }
+            return Math.sqrt(sum);
+        }
+
+        boolean isOn() {
+            return Math.abs(low[1] - otherHigh[1]) <= TOLERANCE * size()
+                    && overlaps(0) && overlaps(2);
+        }
+
+        boolean isInside() {
+            boolean within = diagonal(low, high) < diagonal(otherLow, otherHigh);
+            for (int axis = 0; axis < 3; axis++) {
+                within &= low[axis] >= otherLow[axis] - TOLERANCE * size()
+                        && high[axis] <= otherHigh[axis] + TOLERANCE * size();
+            }
+            return within;
+        }
+
+        boolean holds(String relation) {
+            return switch (relation) {
+                case "near" -> gap() <= size();
+                case "touching" -> gap() <= TOLERANCE * size();
+                case "on" -> isOn();
+                default -> isInside();
+            };
+        }
+
+        private boolean overlaps(int axis) {
+            return Math.min(high[axis], otherHigh[axis]) > Math.max(low[axis], otherLow[axis]);
+        }
+    }
+
+    /** One of the others, and how far away it is [m]. */
+    private record Other(ItemId id, double gap) {}
+
+    /**
+     * Names of the items that an item is near, on, inside or touching: the smallest gap first, then
+     * in the order of their ids, at most {@link #MAX_ITEMS}.
+     *
+     * @param relation one of {@link #NAMES}
+     * @throws IllegalArgumentException for any other relation
+     * @return empty if the item is no body with a shape
+     */
+    public Optional<List<String>> of(ItemId item, String relation) {
+        if (!NAMES.contains(relation)) {
+            throw new IllegalArgumentException(
+                    "relation " + relation + ", expected one of " + new TreeSet<>(NAMES));
+        }
+        int row = bodies.rowOf(item);
+        if (row < 0 || !hasShape(row)) {
+            return Optional.empty();
+        }
+        double[] low = corner("boundsMin", row);
+        double[] high = corner("boundsMax", row);
+        List<Other> others = new ArrayList<>();
+        for (ItemId id : space.inBox(reach(low, high, relation))) {
+            int other = bodies.rowOf(id);
+            if (!id.equals(item) && other >= 0 && hasShape(other)) {
+                var pair = new Pair(low, high, corner("boundsMin", other),
+                        corner("boundsMax", other));
+                if (pair.holds(relation)) {
+                    others.add(new Other(id, pair.gap()));
+                }
+            }
+        }
+        others.sort(Comparator.comparingDouble(Other::gap).thenComparing(Other::id));
+        return Optional.of(others.stream().limit(MAX_ITEMS).map(Other::id).map(nameOf).toList());
+    }
+
+    /** A box that everything meets to which the relation may hold. */
+    private static Box reach(double[] low, double[] high, String relation) {
+        double by = diagonal(low, high) * (relation.equals("near") ? 1 : TOLERANCE);
+        return new Box(low[0] - by, low[1] - by, low[2] - by,
+                high[0] + by, high[1] + by, high[2] + by);
+    }
+
+    private boolean hasShape(int row) {
+        return bodies.column("shape").getInt(row, 0) != Shape.NONE;
+    }
+
+    private double[] corner(String column, int row) {
+        ColumnView corners = bodies.column(column);
+        return new double[] {corners.getDouble(row, 0), corners.getDouble(row, 1),
+            corners.getDouble(row, 2)};
+    }
+
+    private static double diagonal(double[] low, double[] high) {
+        double x = high[0] - low[0];
+        double y = high[1] - low[1];
+        double z = high[2] - low[2];
+        return Math.sqrt(x * x + y * y + z * z);
+    }
+}

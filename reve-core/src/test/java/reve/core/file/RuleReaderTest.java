@@ -1,0 +1,72 @@
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.catchThrowableOfType;
+
+import java.nio.charset.StandardCharsets;
+import java.util.List;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.rule.Rule;
+import reve.core.world.SymbolType;
+
+/** What world files say of symbols: their types, and rules that give them. */
+class RuleReaderTest {
+    private static final String HEAD = "reve: 1\nname: w\n";
+
+    private static WorldDescription parse(String text) throws WorldFileException {
+        return WorldFile.parse("w", (HEAD + text).getBytes(StandardCharsets.UTF_8));
+    }
+
+    @Test
+    void rulesAndTypesOfSymbolsAreRead() throws Exception {
+        WorldDescription world = parse("""
+                symbols:
+                  tags: {type: list, doc: What it is like.}
+                  limit: {type: number, unit: km/h}
+                rules:
+                  heavy: physics.mass > 10
+                  warning: {is: "semantic.heavy ? 'heavy' : 'light'", class: crate, doc: For carriers.}
+                  taut: {is: physics.length > 1, kind: spring}
+                items:
+                  - {name: sign, semantic: {limit: 10 m/s, tags: [round, 2, true]}}
+                """);
+
+        assertThat(world.prototype().symbol("tags").orElseThrow().type()).isEqualTo(SymbolType.LIST);
+        assertThat(world.items().getFirst().symbols())
+                .containsEntry("limit", 36.0).containsEntry("tags", List.of("round", 2.0, true));
+        assertThat(world.rules()).extracting(Rule::symbol)
+                .containsExactly("heavy", "warning", "taut");
+        Rule warning = world.rules().get(1);
+        assertThat(warning.itemClass()).contains("crate");
+        assertThat(warning.expression().text()).isEqualTo("semantic.heavy ? 'heavy' : 'light'");
+        assertThat(world.rules().get(2).kind()).isEqualTo("spring");
+    }
+
+    @ParameterizedTest(name = "{0}")
+    @CsvSource(delimiter = '!', quoteCharacter = '~', textBlock = """
+            rules: {hot: physics.temperatur > 3}      ! 3:21 ! hot: unknown name `temperatur`; known here: acceleration, angularVelocity, appliedForce, charge, dragCoefficient, externalForce, inertia, linearDragCoefficient, mass, radius, torque, velocity
+            rules: {hot: "physics.mass >"}            ! 3:29 ! hot: the expression ends too early
+            rules: {hot: {is: 3}}                     ! 3:19 ! is: found number 3, expected a text; put it in quotes
+            rules: {hot: {}}                          ! 3:14 ! hot: `is` is missing
+            rules: {hot: {is: "true", kind: sprung}}  ! 3:33 ! kind: there is no kind `sprung`; did you mean `spring`?
+            rules: {name: "'x'"}                      ! 3:9  ! symbol name is a standard one; a rule cannot give it
+            rules: {a: semantic.b, b: "true"}         ! 3:9  ! rule a reads what rule b gives, which comes later
+            rules: {a: semantic.a}                    ! 3:9  ! rule a reads what it gives itself
+            symbols: {name: {}}                       ! 3:11 ! symbol name is derived by the world; it cannot be declared
+            symbols: {a: {type: text, unit: m}}       ! 3:11 ! symbol a: only a number has a unit
+            symbols: {a: {type: real}}                ! 3:21 ! type: found text `real`, expected one of `text`, `number`, `truth`, `list`
+            ~symbols: {a: {type: number}}\nrules: {a: item.name}~ ! 4:12 ! a: is a text, the symbol is declared as a number
+            ~symbols: {a: {type: truth}}\nitems: [{name: i, semantic: {a: 3}}]~ ! 4:30 ! item i: a is a number, declared as a truth value
+            ~symbols: {a: {type: number, unit: m}}\nitems: [{name: i, semantic: {a: 3 s}}]~ ! 4:33 ! a: unit s does not fit m
+            """)
+    void refuses(String text, String place, String message) {
+        var refused = catchThrowableOfType(WorldFileException.class,
+                () -> parse(text.replace("\\n", "\n")));
+
+        assertThat(refused).as(text).isNotNull();
+        assertThat(refused.problems()).extracting(Problem::toString)
+                .containsExactly("w:" + place + ": " + message);
+    }
+}

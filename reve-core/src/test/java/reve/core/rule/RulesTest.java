@@ -1,0 +1,226 @@
+package reve.core.rule;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
+
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.Test;
+import reve.core.unit.Unit;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.OffHeapArena;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.ScalarType;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.SymbolType;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+class RulesTest {
+    private static final WorldPrototype PROTOTYPE = WorldPrototype.standard("si-f64")
+            .extendedBy(List.of(new PropertyDescriptor("temperature", "body", ScalarType.F64, 1,
+                    Unit.parse("K"), Optional.empty(), "")))
+            .withSymbols(List.of(new SymbolDescriptor("pace", SymbolType.NUMBER,
+                    Unit.parse("km/h"), "")));
+
+    private final OffHeapArena arena = new OffHeapArena();
+    private final World world = new World("test", PROTOTYPE, arena);
+
+    @AfterEach
+    void free() {
+        arena.close();
+    }
+
+    private Item body(String name, double temperature) {
+        return world.add(ItemDefinition.named(name).physics("temperature", temperature).build());
+    }
+
+    private Rules rules(String... symbolsAndExpressions) throws ExpressionException {
+        Rule[] rules = new Rule[symbolsAndExpressions.length / 2];
+        Scope scope = Scope.ofItem(PROTOTYPE, "body");
+        for (int i = 0; i < rules.length; i++) {
+            rules[i] = new Rule(symbolsAndExpressions[2 * i], "body", Optional.empty(),
+                    scope.compile(symbolsAndExpressions[2 * i + 1]), "");
+        }
+        return new Rules(world, List.of(rules));
+    }
+
+    private static Object of(Item item, String symbol) {
+        return item.semantic().get(symbol).orElse("none");
+    }
+
+    @Test
+    void symbolFollowsWhatItIsDerivedFrom() throws Exception {
+        Item pot = body("pot", 300);
+        Rules rules = rules("hot", "physics.temperature > 350");
+
+        rules.update(1);
+        assertThat(of(pot, "hot")).isEqualTo(false);
+        pot.physics().set("temperature", 360);
+        rules.update(2);
+        assertThat(of(pot, "hot")).isEqualTo(true);
+        assertThat(pot.semantic().symbols()).containsEntry("hot", true);
+        assertThat(world.changes()).noneMatch(change -> change.toString().contains("hot"));
+    }
+
+    @Test
+    void sceneryGetsNoSymbolThatReadsPhysics() throws Exception {
+        Item wall = world.add(ItemDefinition.named("wall").build());
+        Rules rules = rules("hot", "physics.temperature > 350", "named", "item.name");
+
+        rules.update(1);
+
+        assertThat(of(wall, "hot")).isEqualTo("none");
+        assertThat(of(wall, "named")).isEqualTo("wall");
+        assertThat(world.events()).isEmpty();
+        wall.physics().set("temperature", 400);
+        rules.update(2);
+        assertThat(of(wall, "hot")).isEqualTo(true);
+        wall.physics().clear();
+        rules.update(3);
+        assertThat(of(wall, "hot")).isEqualTo("none");
+    }
+
+    @Test
+    void ruleSeesWhatThoseBeforeItGaveInTheSameFrame() throws Exception {
+        Item pot = body("pot", 400);
+        Rules rules = rules("hot", "physics.temperature > 350",
+                "warning", "semantic.hot ? 'careful' : 'fine'");
+
+        rules.update(1);
+        assertThat(of(pot, "warning")).isEqualTo("careful");
+        pot.physics().set("temperature", 300);
+        rules.update(2);
+        assertThat(of(pot, "warning")).isEqualTo("fine");
+    }
+
+    @Test
+    void ruleIsForItemsOfItsClassOnly() throws Exception {
+        Item pot = body("pot", 400);
+        Item cup = body("cup", 400);
+        pot.semantic().set("class", "pot");
+        Rules rules = new Rules(world, List.of(new Rule("hot", "body", Optional.of("pot"),
+                Scope.ofItem(PROTOTYPE, "body").compile("physics.temperature > 350"), "")));
+
+        rules.update(1);
+        assertThat(of(pot, "hot")).isEqualTo(true);
+        assertThat(of(cup, "hot")).isEqualTo("none");
+        pot.semantic().set("class", "vase");
+        rules.update(2);
+        assertThat(of(pot, "hot")).isEqualTo("none");
+    }
+
+    @Test
+    void ownSymbolHidesThatOfARule() throws Exception {
+        Item pot = body("pot", 400);
+        pot.semantic().set("hot", "perhaps");
+        Rules rules = rules("hot", "physics.temperature > 350");
+
+        rules.update(1);
+        assertThat(of(pot, "hot")).isEqualTo("perhaps");
+        pot.semantic().remove("hot");
+        assertThat(of(pot, "hot")).isEqualTo(true);
+    }
+
+    @Test
+    void ruleThatGivesNothingIsToldOnceAndHarmsNothing() throws Exception {
+        Item one = body("one", 0);
+        Item two = body("two", 0);
+        Rules rules = rules("inverse", "1.0 / physics.temperature", "always", "true");
+
+        rules.update(1);
+        rules.update(2);
+
+        assertThat(of(one, "inverse")).isEqualTo("none");
+        assertThat(of(two, "always")).isEqualTo(true);
+        assertThat(world.events()).singleElement().satisfies(event -> {
+            assertThat(event.type()).isEqualTo("fault");
+            assertThat(event.fields()).containsEntry("source", "rule inverse");
+            assertThat(event.fields().get("message").toString())
+                    .contains("item one", "1.0 / physics.temperature", "Infinity");
+        });
+        one.physics().set("temperature", 4);
+        rules.update(3);
+        assertThat(of(one, "inverse")).isEqualTo(0.25);
+    }
+
+    @Test
+    void numberIsKeptInTheUnitThatIsDeclaredForItsSymbol() throws Exception {
+        Item car = world.add(ItemDefinition.named("car").physics("velocity", 10, 0, 0).build());
+
+        rules("pace", "norm(physics.velocity)").update(1);
+
+        assertThat(of(car, "pace")).isEqualTo(10 / Unit.parse("km/h").scale());
+    }
+
+    @Test
+    void itemsThatARuleReadsAboutAreFoundWhereTheyAre() throws Exception {
+        Item here = world.add(ItemDefinition.named("here").at(1, 0, 0).build());
+        Rules rules = rules("east", "semantic.location[0] > 0 && item.kind == 'body'");
+
+        rules.update(1);
+        assertThat(of(here, "east")).isEqualTo(true);
+        here.physical().setLocation(-1, 0, 0);
+        rules.update(2);
+        assertThat(of(here, "east")).isEqualTo(false);
+    }
+
+    @Test
+    void standardSymbolsAreNotGivenByRules() {
+        for (String symbol : List.of("name", "class", "near")) {
+            assertThatIllegalArgumentException().isThrownBy(() -> rules(symbol, "'x'"))
+                    .withMessageContaining(symbol).withMessageContaining("standard");
+        }
+    }
+
+    /** What is kept must be what a world without memory would give, whatever happened before. */
+    @Test
+    void keptSymbolsAreThoseOfAWorldWithoutMemory() throws Exception {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("RulesTest seed " + seed);
+        var random = new Random(seed);
+        String[] texts = {"hot", "physics.temperature > 5", "label",
+            "has(semantic.tag) ? semantic.tag + item.name : 'plain'", "both",
+            "semantic.hot && semantic.label != 'plain'"};
+        Rules kept = rules(texts);
+        Map<Long, Item> items = new HashMap<>();
+        for (int round = 0; round < 300; round++) {
+            change(random, items, round);
+            kept.update(round);
+            Map<Long, Map<String, Object>> is = symbols(items);
+            rules(texts).update(round);
+            assertThat(is).as("seed %d, round %d", seed, round).isEqualTo(symbols(items));
+        }
+    }
+
+    private void change(Random random, Map<Long, Item> items, int round) {
+        Item[] all = items.values().toArray(new Item[0]);
+        Item any = all.length == 0 ? null : all[random.nextInt(all.length)];
+        switch (any == null ? 0 : random.nextInt(6)) {
+            case 0 -> {
+                Item added = random.nextBoolean() ? body("i" + round, random.nextInt(10))
+                        : world.add(ItemDefinition.named("i" + round).build());
+                items.put(added.id().value(), added);
+            }
+            case 1 -> {
+                items.remove(any.id().value());
+                world.remove(any.id());
+            }
+            case 2 -> any.physics().set("temperature", random.nextInt(10));
+            case 3 -> any.semantic().set("tag", "t" + random.nextInt(3));
+            case 4 -> any.semantic().remove("tag");
+            default -> world.rename(any.id(), "r" + round);
+        }
+    }
+
+    private static Map<Long, Map<String, Object>> symbols(Map<Long, Item> items) {
+        Map<Long, Map<String, Object>> all = new HashMap<>();
+        items.forEach((id, item) -> all.put(id, item.semantic().symbols()));
+        return all;
+    }
+}
