@@ -64,7 +64,7 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
         List<String> bodies = agents.bodies().stream()
                 .filter(body -> world.find(body).isPresent()).toList();
         return new WorldDescription(name, doc, prototype, timing, nowLoaded, now, camera,
-                new AgentPolicy(bodies, agents.template()),
+                new AgentPolicy(bodies, agents.template()), rules,
                 world.itemsInOrderOfRows().stream().map(Item::definition).toList());
     }
 }

@@ -3,11 +3,14 @@ package reve.core.file;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
+import reve.core.rule.Rule;
 import reve.core.unit.Unit;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.SymbolDescriptor;
 import reve.core.world.WorldPrototype;
 
 /**
@@ -51,6 +54,12 @@ public final class WorldWriter {
         if (!world.agents().equals(AgentPolicy.none())) {
             tree.put("agents", agents());
         }
+        if (!world.prototype().symbols().isEmpty()) {
+            tree.put("symbols", symbols());
+        }
+        if (!world.rules().isEmpty()) {
+            tree.put("rules", rules());
+        }
         putIfAny(tree, "items", world.items().stream().map(items::tree).toList());
         return tree;
     }
@@ -59,6 +68,39 @@ public final class WorldWriter {
         if (!values.isEmpty()) {
             tree.put(key, values);
         }
+    }
+
+    private Map<String, Object> symbols() {
+        Map<String, Object> symbols = new LinkedHashMap<>();
+        for (SymbolDescriptor symbol : world.prototype().symbols()) {
+            Map<String, Object> tree = new LinkedHashMap<>();
+            tree.put("type", symbol.type().name().toLowerCase(Locale.ROOT));
+            if (!symbol.unit().equals(Unit.ONE)) {
+                tree.put("unit", symbol.unit().symbol());
+            }
+            if (!symbol.doc().isEmpty()) {
+                tree.put("doc", symbol.doc());
+            }
+            symbols.put(symbol.name(), tree);
+        }
+        return symbols;
+    }
+
+    private Map<String, Object> rules() {
+        Map<String, Object> rules = new LinkedHashMap<>();
+        for (Rule rule : world.rules()) {
+            Map<String, Object> tree = new LinkedHashMap<>();
+            tree.put("is", rule.expression().text());
+            if (!rule.kind().equals(WorldPrototype.BODY)) {
+                tree.put("kind", rule.kind());
+            }
+            rule.itemClass().ifPresent(wanted -> tree.put("class", wanted));
+            if (!rule.doc().isEmpty()) {
+                tree.put("doc", rule.doc());
+            }
+            rules.put(rule.symbol(), tree.size() == 1 ? rule.expression().text() : tree);
+        }
+        return rules;
     }
 
     private List<Object> properties() {

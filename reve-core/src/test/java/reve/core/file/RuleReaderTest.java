@@ -44,6 +44,20 @@ class RuleReaderTest {
         assertThat(world.rules().get(2).kind()).isEqualTo("spring");
     }
 
+    @Test
+    void rulesAndTypesAreWrittenAsTheyWereRead() throws Exception {
+        String text = WorldWriter.write(parse("""
+                symbols: {limit: {type: number, unit: km/h, doc: At most.}, tags: {type: list}}
+                rules:
+                  heavy: physics.mass > 10
+                  taut: {is: physics.length > 1, kind: spring, class: rope, doc: Of ropes.}
+                """));
+
+        assertThat(text).contains("heavy: physics.mass > 10", "class: rope", "unit: km/h");
+        assertThat(WorldWriter.write(WorldFile.parse("again", text.getBytes(
+                StandardCharsets.UTF_8)))).isEqualTo(text);
+    }
+
     @ParameterizedTest(name = "{0}")
     @CsvSource(delimiter = '!', quoteCharacter = '~', textBlock = """
             rules: {hot: physics.temperatur > 3}      ! 3:21 ! hot: unknown name `temperatur`; known here: acceleration, angularVelocity, appliedForce, charge, dragCoefficient, externalForce, inertia, linearDragCoefficient, mass, radius, torque, velocity
