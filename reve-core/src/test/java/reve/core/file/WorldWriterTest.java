@@ -129,7 +129,7 @@ class WorldWriterTest {
         items.add(ItemDefinition.named("lamp").kind("lamp").physics("size_x", 0).build());
         return new WorldDescription(shell.name(), RandomItems.text(random), shell.prototype(),
                 shell.timing(), shell.laws(), shell.constants(), Optional.empty(),
-                AgentPolicy.none(), items);
+                AgentPolicy.none(), List.of(), items);
     }
 
     /** What happens to a world: rows move, and children are attached. */
