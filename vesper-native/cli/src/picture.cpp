@@ -10,6 +10,8 @@ namespace {
 
 constexpr uint32_t kSphere = 1, kPlane = 3, kMesh = 4;      // shapes of SCENE.md
 constexpr uint32_t kUnlit = 1, kGrid = 2, kFade = 4;        // item flags of SCENE.md
+constexpr uint32_t kDefaultMaterial = 0;
+constexpr std::array<uint32_t, 2> kAllTriangles{0, 0};
 constexpr uint32_t kSamples = 4, kShadows = 1, kPerspective = 0;
 constexpr double kFitFov = 34;     // [degrees]
 constexpr double kFitFill = 0.82;  // part of the picture that a fitted box may take up
@@ -58,7 +60,8 @@ Message Instances(uint32_t shape, uint32_t mesh, const std::vector<Point>& posit
                   uint32_t flags) {
   const size_t count = positions.size();
   Message message(Message::kInstances);
-  message.Put(shape).Put(mesh).Put(static_cast<uint32_t>(count)).PutAll(std::span(positions));
+  message.Put(shape).Put(mesh).Put(kDefaultMaterial).Put(kAllTriangles);
+  message.Put(static_cast<uint32_t>(count)).PutAll(std::span(positions));
   PutRepeated(message, std::array<float, 4>{0, 0, 0, 1}, count);
   for (const float size : sizes) message.Put(Point{size, size, size});
   message.PutAll(std::span(colours));

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shapes.hpp"
+
 namespace vesper::render {
 
 namespace {
@@ -54,22 +56,6 @@ InstanceRecord ToRecord(const Instance& instance, Shape shape, const Vector3f& o
 
 }  // namespace
 
-float ToLinear(uint8_t srgb) {
-  static const auto table = [] {
-    std::array<float, 256> values;
-    for (size_t i = 0; i < values.size(); ++i) {
-      const double s = static_cast<double>(i) / 255;
-      values[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
-    }
-    return values;
-  }();
-  return table[srgb];
-}
-
-std::array<float, 3> ToLinear(const Colour& colour) {
-  return {ToLinear(colour[0]), ToLinear(colour[1]), ToLinear(colour[2])};
-}
-
 Extent Measure(const Scene& scene) {
   Extent extent;
   for (const InstanceBatch& batch : scene.batches) {
@@ -90,16 +76,28 @@ Extent Measure(const Scene& scene) {
     extent.items.push_back({segment.from - scene.camera.target, 0});
     extent.items.push_back({segment.to - scene.camera.target, 0});
   }
+  for (const Triangle& triangle : scene.triangles) {
+    const auto& [a, b, c] = triangle.corners;
+    const Vector3f centre = a / 3 + b / 3 + c / 3;
+    const float radius = std::max({(a - centre).norm(), (b - centre).norm(), (c - centre).norm()});
+    extent.items.push_back({centre - scene.camera.target, radius});
+    extent.casters.push_back(extent.items.back());
+  }
   return extent;
 }
 
 void Sort(const Scene& scene, const View& view, DrawList& list) {
   for (auto& [key, records] : list) records.clear();
   for (const InstanceBatch& batch : scene.batches) {
-    const MeshKey key{batch.shape, batch.shape == Shape::kMesh ? batch.mesh : 0};
+    const auto key = [&batch](uint32_t detail) {
+      return DrawKey{{batch.shape, detail}, batch.material, batch.first_triangle,
+                     batch.triangle_count};
+    };
     std::array<std::vector<InstanceRecord>*, kFinestSphere + 1> spheres{};
     std::vector<InstanceRecord>* const others =
-        batch.shape == Shape::kSphere ? nullptr : &list[key];
+        batch.shape == Shape::kSphere
+            ? nullptr
+            : &list[key(batch.shape == Shape::kMesh ? batch.mesh : 0)];
     for (const Instance& instance : batch.instances) {
       if (!(instance.size.maxCoeff() > 0)) continue;
       const InstanceRecord record = ToRecord(instance, batch.shape, view.origin());
@@ -110,9 +108,13 @@ void Sort(const Scene& scene, const View& view, DrawList& list) {
       const float radius = instance.size.maxCoeff() / 2;
       const float depth = view.Depth(instance.position - view.origin()) - radius;
       const uint32_t level = SphereLevel(radius * view.PixelsPerMetre(depth));
-      if (spheres[level] == nullptr) spheres[level] = &list[{Shape::kSphere, level}];
+      if (spheres[level] == nullptr) spheres[level] = &list[key(level)];
       spheres[level]->push_back(record);
     }
+  }
+  if (!scene.triangles.empty()) {
+    InstanceRecord record{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, {1, 1, 1}, 0};
+    list[{{Shape::kMesh, kLooseTriangles}, 0, 0, 0}].push_back(record);
   }
   std::erase_if(list, [](const auto& entry) { return entry.second.empty(); });
 }

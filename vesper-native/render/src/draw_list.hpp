@@ -22,14 +22,24 @@ static_assert(sizeof(InstanceRecord) == 64);
 
 inline constexpr int kCoarsestSphere = 0, kFinestSphere = 5;
 
-/// What draws an instance: `detail` is the level of a sphere or the id of a mesh, else 0.
+/// Triangles in graphics memory: `detail` is the level of a sphere or the id of a mesh, else 0.
 struct MeshKey {
   Shape shape;
-  uint32_t detail;
+  uint64_t detail;
   auto operator<=>(const MeshKey&) const = default;
 };
 
-using DrawList = std::map<MeshKey, std::vector<InstanceRecord>>;
+/// Detail of the mesh that holds a picture's loose triangles; beyond all ids.
+inline constexpr uint64_t kLooseTriangles = uint64_t{1} << 32;
+
+/// What one draw shows: instances of a mesh, or of some of its triangles, in one material.
+struct DrawKey {
+  MeshKey mesh;
+  uint32_t material, first_triangle, triangle_count;  ///< count 0: all
+  auto operator<=>(const DrawKey&) const = default;
+};
+
+using DrawList = std::map<DrawKey, std::vector<InstanceRecord>>;
 
 /// Balls around everything that the scene shows.
 Extent Measure(const Scene& scene);
@@ -37,9 +47,5 @@ Extent Measure(const Scene& scene);
 /// Refills `list`, keeping its memory. Spheres get as many triangles as their size in pixels asks
 /// for; what has no size at all is left out.
 void Sort(const Scene& scene, const View& view, DrawList& list);
-
-/// Linear value of an sRGB byte, 0 to 1.
-float ToLinear(uint8_t srgb);
-std::array<float, 3> ToLinear(const Colour& colour);
 
 }  // namespace vesper::render

@@ -29,6 +29,7 @@ namespace vesper::render {
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray) \
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer) \
   X(FRAMEBUFFERTEXTURE2D, FramebufferTexture2D) X(GENBUFFERS, GenBuffers) \
+  X(GENERATEMIPMAP, GenerateMipmap) \
   X(GENFRAMEBUFFERS, GenFramebuffers) X(GENRENDERBUFFERS, GenRenderbuffers) \
   X(GENTEXTURES, GenTextures) X(GENVERTEXARRAYS, GenVertexArrays) X(GETERROR, GetError) \
   X(GETINTEGERV, GetIntegerv) X(GETPROGRAMINFOLOG, GetProgramInfoLog) \

@@ -21,7 +21,12 @@ void Fill(const Gl& gl, GLenum where, const GlObject& buffer, const std::vector<
   gl.BufferData(where, static_cast<GLsizeiptr>(content.size() * sizeof(T)), content.data(), usage);
 }
 
-bool CastsShadow(const MeshKey& key) { return key.shape != Shape::kPlane; }
+bool CastsShadow(const DrawKey& key) { return key.mesh.shape != Shape::kPlane; }
+
+/// Exponent of the highlight (Blinn-Phong) that looks like a roughness: 2 / roughness^4 - 2.
+double GlossExponent(double roughness) {
+  return std::clamp(2 / std::pow(roughness, 4) - 2, 0.5, 2000.0);
+}
 
 }  // namespace
 
@@ -53,7 +58,8 @@ const Pixels& Renderer::Render(const Scene& scene) {
   const Extent extent = Measure(scene);
   const View view(scene.camera, scene.image, extent);
   Sort(scene, view, list_);
-  PrepareMeshes(scene);
+  PrepareMeshes(scene, view);
+  PrepareTextures(scene);
   UploadInstances();
 
   std::optional<Eigen::Matrix4f> shadow;
@@ -145,13 +151,15 @@ Renderer::GpuMesh Renderer::Upload(const TriangleMesh& mesh, bool closed) const 
   return uploaded;
 }
 
-void Renderer::PrepareMeshes(const Scene& scene) {
+void Renderer::PrepareMeshes(const Scene& scene, const View& view) {
   std::erase_if(meshes_, [&](const auto& entry) {
     if (entry.first.shape != Shape::kMesh) return false;
-    const auto mesh = scene.meshes.find(entry.first.detail);
+    if (entry.first.detail == kLooseTriangles) return true;
+    const auto mesh = scene.meshes.find(static_cast<uint32_t>(entry.first.detail));
     return mesh == scene.meshes.end() || mesh->second.revision != entry.second.revision;
   });
-  for (const auto& [key, records] : list_) {
+  for (const auto& [draw, records] : list_) {
+    const MeshKey& key = draw.mesh;
     if (meshes_.contains(key)) continue;
     switch (key.shape) {
       case Shape::kSphere:
@@ -160,7 +168,11 @@ void Renderer::PrepareMeshes(const Scene& scene) {
       case Shape::kBox: meshes_[key] = Upload(UnitBox(), true); break;
       case Shape::kPlane: meshes_[key] = Upload(UnitPlane(), false); break;
       case Shape::kMesh: {
-        const Mesh& mesh = scene.meshes.at(key.detail);
+        if (key.detail == kLooseTriangles) {
+          meshes_[key] = Upload(ToTriangles(scene.triangles, view.origin()), false);
+          break;
+        }
+        const Mesh& mesh = scene.meshes.at(static_cast<uint32_t>(key.detail));
         GpuMesh uploaded = Upload(ToTriangles(mesh), false);
         uploaded.revision = mesh.revision;
         meshes_[key] = std::move(uploaded);
@@ -170,11 +182,32 @@ void Renderer::PrepareMeshes(const Scene& scene) {
   }
 }
 
+void Renderer::PrepareTextures(const Scene& scene) {
+  std::erase_if(textures_, [&](const auto& entry) {
+    const auto texture = scene.textures.find(entry.first);
+    return texture == scene.textures.end() || texture->second.revision != entry.second.revision;
+  });
+  for (const auto& [id, material] : scene.materials) {
+    if (material.texture == 0 || textures_.contains(material.texture)) continue;
+    const Texture& texture = scene.textures.at(material.texture);
+    GpuTexture uploaded{MakeTexture(gl_), texture.revision};
+    gl_.BindTexture(GL_TEXTURE_2D, uploaded.pixels.id());
+    gl_.TexImage2D(GL_TEXTURE_2D, 0, GL_SRGB8_ALPHA8, static_cast<GLsizei>(texture.width),
+                   static_cast<GLsizei>(texture.height), 0, GL_RGBA, GL_UNSIGNED_BYTE,
+                   texture.pixels.data());
+    gl_.GenerateMipmap(GL_TEXTURE_2D);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR_MIPMAP_LINEAR);
+    gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl_.Check("uploading a texture");
+    textures_[material.texture] = std::move(uploaded);
+  }
+}
+
 void Renderer::UploadInstances() {
   draws_.clear();
   size_t count = 0;
   for (const auto& [key, records] : list_) {
-    draws_.push_back({key, &meshes_.at(key), count, static_cast<GLsizei>(records.size())});
+    draws_.push_back({key, &meshes_.at(key.mesh), count, static_cast<GLsizei>(records.size())});
     count += records.size();
   }
   constexpr size_t kBytes = sizeof(InstanceRecord);
@@ -189,14 +222,16 @@ void Renderer::UploadInstances() {
 }
 
 void Renderer::DrawInstances(const Draw& draw) const {
-  const auto per_vertex = [&](GLuint at, size_t offset) {
+  const auto per_vertex = [&](GLuint at, GLint components, size_t offset) {
     gl_.EnableVertexAttribArray(at);
-    gl_.VertexAttribPointer(at, 3, GL_FLOAT, GL_FALSE, sizeof(Vertex), Offset(offset));
+    gl_.VertexAttribPointer(at, components, GL_FLOAT, GL_FALSE, sizeof(Vertex), Offset(offset));
     gl_.VertexAttribDivisor(at, 0);
   };
   gl_.BindBuffer(GL_ARRAY_BUFFER, draw.mesh->vertices.id());
-  per_vertex(0, offsetof(Vertex, position));
-  per_vertex(1, offsetof(Vertex, normal));
+  per_vertex(0, 3, offsetof(Vertex, position));
+  per_vertex(1, 3, offsetof(Vertex, normal));
+  per_vertex(7, 2, offsetof(Vertex, coordinates));
+  per_vertex(8, 3, offsetof(Vertex, colour));
 
   constexpr GLsizei kBytes = sizeof(InstanceRecord);
   const size_t first = draw.first * kBytes;
@@ -214,7 +249,11 @@ void Renderer::DrawInstances(const Draw& draw) const {
     gl_.VertexAttribDivisor(at, 1);
   }
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, draw.mesh->indices.id());
-  gl_.DrawElementsInstanced(GL_TRIANGLES, draw.mesh->index_count, GL_UNSIGNED_INT, nullptr,
+  const GLsizei indices = draw.key.triangle_count > 0
+                              ? static_cast<GLsizei>(draw.key.triangle_count * 3)
+                              : draw.mesh->index_count;
+  gl_.DrawElementsInstanced(GL_TRIANGLES, indices, GL_UNSIGNED_INT,
+                            Offset(size_t{draw.key.first_triangle} * 3 * sizeof(uint32_t)),
                             draw.count);
 }
 
@@ -276,14 +315,17 @@ void Renderer::DrawBackground(const Scene& scene) {
   gl_.DrawArrays(GL_TRIANGLES, 0, 3);
 }
 
-const Program& Renderer::Surface(bool plane, bool shadows) {
-  const auto found = surfaces_.find({plane, shadows});
+const Program& Renderer::SurfaceProgram(const Surface& surface) {
+  const auto found = surfaces_.find(surface);
   if (found != surfaces_.end()) return found->second;
-  const std::string variant = std::string(plane ? "#define PLANE\n" : "") +
-                              (shadows ? "#define SHADOWS\n" : "");
+  const auto define = [](bool wanted, const char* name) {
+    return wanted ? std::string("#define ") + name + "\n" : "";
+  };
+  const std::string variant = define(surface.plane, "PLANE") + define(surface.sphere, "SPHERE") +
+                              define(surface.textured, "TEXTURED") +
+                              define(surface.shadows, "SHADOWS");
   return surfaces_
-      .try_emplace({plane, shadows}, gl_,
-                   variant + shaders::kInstanceAttributes + shaders::kSurfaceVertex,
+      .try_emplace(surface, gl_, variant + shaders::kInstanceAttributes + shaders::kSurfaceVertex,
                    variant + shaders::kBackground + shaders::kSurfaceFragment)
       .first->second;
 }
@@ -310,16 +352,41 @@ void Renderer::SetSurfaceUniforms(const Program& program, const Scene& scene, co
   gl_.Uniform1f(program["shadow_offset"], 4 * side / kShadowSide);
 }
 
+void Renderer::SetMaterial(const Program& program, const Material& material) const {
+  const auto colour = ToLinear(material.colour);
+  const double exponent = GlossExponent(material.roughness);
+  // As much light in all, whether the highlight is small or large.
+  const double strength = std::min(0.22 * (exponent + 2) / (GlossExponent(0.45) + 2), 1.5);
+  gl_.Uniform3fv(program["material_colour"], 1, colour.data());
+  gl_.Uniform1f(program["gloss_exponent"], static_cast<float>(exponent));
+  gl_.Uniform1f(program["gloss_strength"], static_cast<float>(strength));
+  gl_.Uniform1f(program["roughness"], material.roughness);
+  gl_.Uniform1f(program["metallic"], material.metallic);
+  if (material.texture == 0) return;
+  gl_.ActiveTexture(GL_TEXTURE1);
+  gl_.BindTexture(GL_TEXTURE_2D, textures_.at(material.texture).pixels.id());
+  gl_.ActiveTexture(GL_TEXTURE0);
+  gl_.Uniform1i(program["colour_map"], 1);
+}
+
 void Renderer::DrawSurfaces(const Scene& scene, const View& view, const Eigen::Matrix4f* shadow) {
+  const Material plain;
   for (const bool plane : {false, true}) {
     const Program* program = nullptr;
     for (const Draw& draw : draws_) {
-      if ((draw.key.shape == Shape::kPlane) != plane) continue;
-      if (program == nullptr) {
-        program = &Surface(plane, shadow != nullptr);
+      const Shape shape = draw.key.mesh.shape;
+      if ((shape == Shape::kPlane) != plane) continue;
+      const Material& material =
+          draw.key.material == 0 ? plain : scene.materials.at(draw.key.material);
+      const bool textured = material.texture != 0;
+      const Program& wanted = SurfaceProgram(
+          {plane, textured && shape == Shape::kSphere, textured, shadow != nullptr});
+      if (program != &wanted) {
+        program = &wanted;
         program->Use();
         SetSurfaceUniforms(*program, scene, view, shadow);
       }
+      SetMaterial(*program, material);
       if (draw.mesh->closed) gl_.Enable(GL_CULL_FACE);
       DrawInstances(draw);
       gl_.Disable(GL_CULL_FACE);
@@ -346,7 +413,7 @@ void Renderer::DrawLines(const Scene& scene, const View& view) {
                           Offset(offsetof(LineVertex, clip)));
   gl_.VertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LineVertex),
                           Offset(offsetof(LineVertex, colour)));
-  for (GLuint at = 0; at <= 6; ++at) {
+  for (GLuint at = 0; at <= 8; ++at) {
     gl_.VertexAttribDivisor(at, 0);
     if (at < 2) gl_.EnableVertexAttribArray(at);
     else gl_.DisableVertexAttribArray(at);

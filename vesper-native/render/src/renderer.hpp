@@ -1,11 +1,11 @@
 // Draws scenes into pixels.
 #pragma once
 
+#include <compare>
 #include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "draw_list.hpp"
@@ -37,6 +37,11 @@ class Renderer {
   const Pixels& Render(const Scene& scene);
 
  private:
+  /// Which variant of the shaders draws a surface.
+  struct Surface {
+    bool plane, sphere, textured, shadows;
+    auto operator<=>(const Surface&) const = default;
+  };
   /// Colour and depth of one size; with samples, a second buffer that they are averaged into.
   struct Target {
     uint32_t width, height, samples;
@@ -52,9 +57,14 @@ class Renderer {
     uint64_t revision = 0;
     bool closed = false;  ///< back sides are never seen
   };
+  /// A texture in graphics memory.
+  struct GpuTexture {
+    GlObject pixels;
+    uint64_t revision = 0;
+  };
   /// Where a draw's instances begin in the instance buffer.
   struct Draw {
-    MeshKey key;
+    DrawKey key;
     const GpuMesh* mesh;
     size_t first;
     GLsizei count;
@@ -64,7 +74,8 @@ class Renderer {
   GlObject MakeStorage(const Target& target, uint32_t samples, GLenum format) const;
   void Attach(const GlObject& framebuffer, const GlObject& colour, const GlObject* depth) const;
   void PrepareShadowMap();
-  void PrepareMeshes(const Scene& scene);
+  void PrepareMeshes(const Scene& scene, const View& view);
+  void PrepareTextures(const Scene& scene);
   GpuMesh Upload(const TriangleMesh& mesh, bool closed) const;
   void UploadInstances();
   void DrawShadowMap(const Eigen::Matrix4f& matrix);
@@ -72,19 +83,21 @@ class Renderer {
   void DrawSurfaces(const Scene& scene, const View& view, const Eigen::Matrix4f* shadow);
   void SetSurfaceUniforms(const Program& program, const Scene& scene, const View& view,
                           const Eigen::Matrix4f* shadow) const;
+  void SetMaterial(const Program& program, const Material& material) const;
   void DrawInstances(const Draw& draw) const;
   void DrawLines(const Scene& scene, const View& view);
   void SetBackground(const Program& program, const Scene& scene) const;
   void ReadPixels();
-  const Program& Surface(bool plane, bool shadows);
+  const Program& SurfaceProgram(const Surface& surface);
 
   OsMesaContext context_;
   Gl gl_;
   uint32_t max_samples_;
   GlObject vertex_array_, instance_buffer_, line_buffer_, line_indices_;
   Program background_, shadow_program_, line_program_;
-  std::map<std::pair<bool, bool>, Program> surfaces_;  ///< by plane, shadows; made when needed
+  std::map<Surface, Program> surfaces_;  ///< made when needed
   std::map<MeshKey, GpuMesh> meshes_;
+  std::map<uint32_t, GpuTexture> textures_;
   std::optional<Target> target_;
   std::optional<ShadowMap> shadow_map_;
   DrawList list_;

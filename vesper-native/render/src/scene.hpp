@@ -40,9 +40,23 @@ struct Environment {
 
 struct Mesh {
   std::vector<Vector3f> positions;
-  std::vector<Vector3f> normals;  ///< as many as positions, or none: flat triangles
+  std::vector<Vector3f> normals;  ///< as many as positions, or none; 0: a flat triangle
+  std::vector<std::array<float, 2>> coordinates;  ///< as many as positions, or none
+  std::vector<Colour> colours;                    ///< as many as positions, or none: white
   std::vector<uint32_t> indices;  ///< three per triangle
   uint64_t revision = 0;          ///< differs between all meshes that ever had an id
+};
+
+struct Texture {
+  uint32_t width, height;       ///< [px]
+  std::vector<uint8_t> pixels;  ///< (height x width x 4) sRGB bytes r g b a, from the upper left
+  uint64_t revision = 0;        ///< differs between all textures that ever had an id
+};
+
+struct Material {
+  Colour colour{255, 255, 255, 255};
+  float roughness = 0.45F, metallic = 0;  ///< 0 to 1
+  uint32_t texture = 0;                   ///< id, or 0 for none
 };
 
 struct Instance {
@@ -55,8 +69,15 @@ struct Instance {
 
 struct InstanceBatch {
   Shape shape;
-  uint32_t mesh;  ///< id, for Shape::kMesh
+  uint32_t mesh;      ///< id, for Shape::kMesh
+  uint32_t material;  ///< id, or 0 for the default
+  uint32_t first_triangle, triangle_count;  ///< the part of a mesh that is shown; count 0: all
   std::vector<Instance> instances;
+};
+
+struct Triangle {
+  std::array<Vector3f, 3> corners;  ///< [m]
+  std::array<Colour, 3> colours;    ///< of the corners
 };
 
 struct Segment {
@@ -70,8 +91,11 @@ struct Scene {
   Camera camera;
   Environment environment;
   std::map<uint32_t, Mesh> meshes;
+  std::map<uint32_t, Texture> textures;
+  std::map<uint32_t, Material> materials;
   std::vector<InstanceBatch> batches;
   std::vector<Segment> segments;
+  std::vector<Triangle> triangles;
 };
 
 }  // namespace vesper::render

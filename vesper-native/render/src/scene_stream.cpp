@@ -17,6 +17,9 @@ namespace {
 
 constexpr uint32_t kMaxSide = 8192, kMaxPixels = 1U << 24;
 constexpr uint32_t kMaxItems = 1U << 22, kMaxMeshVertices = 1U << 24;
+constexpr uint64_t kMaxTexturePixels = 1U << 25;  // of all textures together
+constexpr uint32_t kMaxMaterials = 1U << 16;
+constexpr uint32_t kNormals = 1, kCoordinates = 2, kColours = 4;  // attributes of a mesh
 constexpr size_t kMaxPathBytes = 4095;
 constexpr float kMaxMagnitude = 1e15F;
 
@@ -30,6 +33,9 @@ const char* Name(MessageType type) {
     case MessageType::kInstances: return "INSTANCES";
     case MessageType::kSegments: return "SEGMENTS";
     case MessageType::kRender: return "RENDER";
+    case MessageType::kTexture: return "TEXTURE";
+    case MessageType::kMaterial: return "MATERIAL";
+    case MessageType::kTriangles: return "TRIANGLES";
   }
   return nullptr;
 }
@@ -177,19 +183,28 @@ Environment ReadEnvironment(Payload& in) {
 Mesh ReadMesh(Payload& in) {
   const uint32_t vertices = in.IntegerIn(0, kMaxItems, "number of vertices");
   const uint32_t triangles = in.IntegerIn(0, kMaxItems, "number of triangles");
-  const bool has_normals = in.IntegerIn(0, 1, "normals") == 1;
+  const uint32_t attributes = in.IntegerIn(0, kNormals | kCoordinates | kColours, "attributes");
+  const auto rows = [&](uint32_t attribute) {
+    return (attributes & attribute) != 0 ? vertices : 0;
+  };
   const Column<float, 3> positions(in, vertices, "position");
-  const Column<float, 3> normals(in, has_normals ? vertices : 0, "normal");
+  const Column<float, 3> normals(in, rows(kNormals), "normal");
+  const Column<float, 2> coordinates(in, rows(kCoordinates), "texture coordinates");
+  const Column<uint8_t, 4> colours(in, rows(kColours), "vertex colour");
   const Column<uint32_t, 3> corners(in, triangles, "triangle");
   in.End();
   Mesh mesh;
   mesh.positions.reserve(vertices);
-  mesh.normals.reserve(has_normals ? vertices : 0);
+  mesh.normals.reserve(rows(kNormals));
+  mesh.coordinates.reserve(rows(kCoordinates));
+  mesh.colours.reserve(rows(kColours));
   mesh.indices.reserve(size_t{triangles} * 3);
   for (size_t i = 0; i < vertices; ++i) {
     mesh.positions.push_back(ToVector(positions[i]));
-    if (has_normals) mesh.normals.push_back(ToVector(normals[i]));
   }
+  for (size_t i = 0; i < rows(kNormals); ++i) mesh.normals.push_back(ToVector(normals[i]));
+  for (size_t i = 0; i < rows(kCoordinates); ++i) mesh.coordinates.push_back(coordinates[i]);
+  for (size_t i = 0; i < rows(kColours); ++i) mesh.colours.push_back(colours[i]);
   for (size_t i = 0; i < triangles; ++i) {
     for (const uint32_t index : corners[i]) {
       if (index >= vertices) {
@@ -216,6 +231,9 @@ InstanceBatch ReadInstances(Payload& in) {
   InstanceBatch batch;
   batch.shape = static_cast<Shape>(in.IntegerIn(1, 4, "shape"));
   batch.mesh = in.One<uint32_t>("mesh id");
+  batch.material = in.One<uint32_t>("material id");
+  batch.first_triangle = in.One<uint32_t>("first triangle");
+  batch.triangle_count = in.One<uint32_t>("number of triangles");
   const uint32_t count = in.IntegerIn(0, kMaxItems, "number of instances");
   const Column<float, 3> position(in, count, "position");
   const Column<float, 4> orientation(in, count, "orientation");
@@ -235,6 +253,50 @@ InstanceBatch ReadInstances(Payload& in) {
                                colour[i], item_flags});
   }
   return batch;
+}
+
+Texture ReadTexture(Payload& in) {
+  Texture texture;
+  texture.width = in.IntegerIn(0, kMaxSide, "width");
+  texture.height = in.IntegerIn(0, kMaxSide, "height");
+  const uint64_t pixels = uint64_t{texture.width} * texture.height;
+  if (pixels > kMaxPixels) {
+    in.Refuse(std::to_string(pixels) + " pixels, at most " + std::to_string(kMaxPixels) +
+              " are allowed");
+  }
+  const auto bytes = in.Take<uint32_t>(pixels, "pixels");
+  const auto* first = reinterpret_cast<const uint8_t*>(bytes.data());
+  texture.pixels.assign(first, first + bytes.size());
+  return texture;
+}
+
+Material ReadMaterial(Payload& in) {
+  Material material;
+  material.colour = in.One<Colour>("colour");
+  material.roughness = in.RealIn(0, 1, "roughness");
+  material.metallic = in.RealIn(0, 1, "metallic");
+  material.texture = in.One<uint32_t>("texture id");
+  return material;
+}
+
+void ReadTriangles(Payload& in, std::vector<Triangle>& triangles) {
+  const uint32_t count = in.IntegerIn(0, kMaxItems, "number of triangles");
+  const Column<float, 9> corners(in, count, "corners");
+  const Column<uint8_t, 12> colours(in, count, "colours");
+  if (triangles.size() + count > kMaxItems) {
+    in.Refuse("more than " + std::to_string(kMaxItems) + " triangles in one picture");
+  }
+  triangles.reserve(triangles.size() + count);
+  for (size_t i = 0; i < count; ++i) {
+    const auto at = corners[i];
+    const auto bytes = colours[i];
+    Triangle triangle;
+    for (size_t corner = 0; corner < 3; ++corner) {
+      triangle.corners[corner] = {at[3 * corner], at[3 * corner + 1], at[3 * corner + 2]};
+      std::copy_n(bytes.begin() + 4 * corner, 4, triangle.colours[corner].begin());
+    }
+    triangles.push_back(triangle);
+  }
 }
 
 void ReadSegments(Payload& in, std::vector<Segment>& segments) {
@@ -320,6 +382,17 @@ Request SceneDecoder::Decode(MessageType type, std::span<const std::byte> payloa
     }
     case MessageType::kInstances: AddBatch(ReadInstances(in)); break;
     case MessageType::kSegments: ReadSegments(in, scene_.segments); break;
+    case MessageType::kTexture: {
+      const auto id = in.One<uint32_t>("texture id");
+      KeepTexture(id, ReadTexture(in));
+      break;
+    }
+    case MessageType::kMaterial: {
+      const auto id = in.One<uint32_t>("material id");
+      AddMaterial(id, ReadMaterial(in));
+      break;
+    }
+    case MessageType::kTriangles: ReadTriangles(in, scene_.triangles); break;
     case MessageType::kRender:
       if (!has_camera_) in.Refuse("no CAMERA came before it");
       request = ReadRender(in);
@@ -344,13 +417,60 @@ void SceneDecoder::KeepMesh(uint32_t id, Mesh mesh) {
     throw MalformedStream("MESH: more than " + std::to_string(kMaxMeshVertices) +
                           " vertices in all meshes together");
   }
-  mesh.revision = ++mesh_revision_;
+  mesh.revision = ++revision_;
   scene_.meshes.emplace(id, std::move(mesh));
+}
+
+void SceneDecoder::KeepTexture(uint32_t id, Texture texture) {
+  if (id == 0) throw MalformedStream("TEXTURE: 0 is no id");
+  for (const auto& [other, material] : scene_.materials) {
+    if (material.texture == id) {
+      throw MalformedStream("TEXTURE: id " + std::to_string(id) +
+                            " is in use by a MATERIAL of the same picture");
+    }
+  }
+  scene_.textures.erase(id);
+  if (texture.pixels.empty()) return;
+  uint64_t bytes = texture.pixels.size();
+  for (const auto& [other, kept] : scene_.textures) bytes += kept.pixels.size();
+  if (bytes > kMaxTexturePixels * 4) {
+    throw MalformedStream("TEXTURE: more than " + std::to_string(kMaxTexturePixels) +
+                          " pixels in all textures together");
+  }
+  texture.revision = ++revision_;
+  scene_.textures.emplace(id, std::move(texture));
+}
+
+void SceneDecoder::AddMaterial(uint32_t id, Material material) {
+  if (material.texture != 0 && !scene_.textures.contains(material.texture)) {
+    throw MalformedStream("MATERIAL: texture " + std::to_string(material.texture) +
+                          " is not known");
+  }
+  if (id == 0 || scene_.materials.contains(id)) {
+    throw MalformedStream("MATERIAL: id " + std::to_string(id) +
+                          (id == 0 ? " is the default" : " is taken in this picture"));
+  }
+  if (scene_.materials.size() == kMaxMaterials) {
+    throw MalformedStream("MATERIAL: more than " + std::to_string(kMaxMaterials) +
+                          " in one picture");
+  }
+  scene_.materials.emplace(id, material);
 }
 
 void SceneDecoder::AddBatch(InstanceBatch batch) {
   if (batch.shape == Shape::kMesh && !scene_.meshes.contains(batch.mesh)) {
     throw MalformedStream("INSTANCES: mesh " + std::to_string(batch.mesh) + " is not known");
+  }
+  if (batch.material != 0 && !scene_.materials.contains(batch.material)) {
+    throw MalformedStream("INSTANCES: material " + std::to_string(batch.material) +
+                          " is not known");
+  }
+  const uint64_t triangles =
+      batch.shape == Shape::kMesh ? scene_.meshes.at(batch.mesh).indices.size() / 3 : 0;
+  if (uint64_t{batch.first_triangle} + batch.triangle_count > triangles) {
+    throw MalformedStream("INSTANCES: triangles " + std::to_string(batch.first_triangle) + " to " +
+                          std::to_string(uint64_t{batch.first_triangle} + batch.triangle_count) +
+                          " of a shape that has " + std::to_string(triangles));
   }
   instance_count_ += batch.instances.size();
   if (instance_count_ > kMaxItems) {
@@ -364,6 +484,8 @@ void SceneDecoder::NextPicture() {
   instance_count_ = 0;
   scene_.batches.clear();
   scene_.segments.clear();
+  scene_.triangles.clear();
+  scene_.materials.clear();
 }
 
 }  // namespace vesper::render

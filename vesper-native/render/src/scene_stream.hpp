@@ -12,7 +12,7 @@
 
 namespace vesper::render {
 
-inline constexpr uint32_t kStreamVersion = 1;
+inline constexpr uint32_t kStreamVersion = 2;
 inline constexpr uint32_t kMaxMessageBytes = 256U << 20;
 
 enum class MessageType : uint32_t {
@@ -24,6 +24,9 @@ enum class MessageType : uint32_t {
   kInstances = 6,
   kSegments = 7,
   kRender = 8,
+  kTexture = 9,
+  kMaterial = 10,
+  kTriangles = 11,
 };
 
 enum class Status : uint32_t { kOk = 0, kMalformed = 1, kOutput = 2, kGraphics = 3 };
@@ -61,16 +64,18 @@ class SceneDecoder {
   /// Meaningful when Decode asked for a picture.
   const Scene& scene() const { return scene_; }
 
-  /// Forgets what was for one picture only: instances and segments.
+  /// Forgets what was for one picture only: all but meshes and textures.
   void NextPicture();
 
  private:
   void KeepMesh(uint32_t id, Mesh mesh);
+  void KeepTexture(uint32_t id, Texture texture);
+  void AddMaterial(uint32_t id, Material material);
   void AddBatch(InstanceBatch batch);
 
   bool greeted_ = false, has_camera_ = false;
   size_t instance_count_ = 0;
-  uint64_t mesh_revision_ = 0;
+  uint64_t revision_ = 0;  // the last one of meshes and textures
   Scene scene_;
 };
 

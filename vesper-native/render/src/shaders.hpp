@@ -35,25 +35,38 @@ layout(location = 3) in vec4 row_y;
 layout(location = 4) in vec4 row_z;
 layout(location = 5) in vec3 colour;
 layout(location = 6) in uint flags;
+layout(location = 7) in vec2 coordinates;
+layout(location = 8) in vec3 vertex_colour;
 vec3 placed() {
   vec4 p = vec4(position, 1.0);
   return vec3(dot(row_x, p), dot(row_y, p), dot(row_z, p));
 }
 )";
 
-/// Defines in front choose the variant: PLANE (grid, fading, no gloss) and SHADOWS.
+/// Defines in front choose the variant: PLANE (grid, fading, no gloss), TEXTURED, with SPHERE where
+/// longitude and latitude are the place in the texture, and SHADOWS.
 inline const std::string kSurfaceVertex = R"(
 uniform mat4 clip;
 uniform vec3 origin;  // the target in the world, for the grid
 out vec3 at;
 out vec3 facing;
-flat out vec3 base;
+out vec3 base;
 flat out uint item;
 #ifdef PLANE
 out vec2 grid_at;
 #endif
+#ifdef SPHERE
+out vec3 local;
+#elif defined(TEXTURED)
+out vec2 texture_at;
+#endif
 void main() {
   at = placed();
+#ifdef SPHERE
+  local = position;
+#elif defined(TEXTURED)
+  texture_at = coordinates;
+#endif
   // Columns of the model are turned axes times sides; normals shrink with the square of a side.
   vec3 x = vec3(row_x.x, row_y.x, row_z.x);
   vec3 y = vec3(row_x.y, row_y.y, row_z.y);
@@ -63,7 +76,7 @@ void main() {
 #ifdef PLANE
   grid_at = vec2(dot(at + origin, normalize(x)), dot(at + origin, normalize(z)));
 #endif
-  base = colour;
+  base = colour * vertex_colour;
   item = flags;
   gl_Position = clip * vec4(at, 1.0);
 }
@@ -73,11 +86,35 @@ inline const std::string kSurfaceFragment = R"(
 uniform vec4 eye;  // w = 0: a direction
 uniform vec3 to_light;
 uniform float light, ambient;
+uniform vec3 material_colour;
+uniform float gloss_exponent, gloss_strength, roughness, metallic;
 in vec3 at;
 in vec3 facing;
-flat in vec3 base;
+in vec3 base;
 flat in uint item;
 out vec4 pixel;
+
+#ifdef TEXTURED
+uniform sampler2D colour_map;
+#ifdef SPHERE
+in vec3 local;
+float smaller(float a, float b) { return abs(a) < abs(b) ? a : b; }
+vec3 texture_colour() {
+  vec3 d = normalize(local);
+  vec2 p = vec2(atan(d.x, d.z) / 6.28318531 + 0.5, acos(clamp(d.y, -1.0, 1.0)) / 3.14159265);
+  float u = fract(p.x + 0.5);  // jumps elsewhere: one of the two has the true slopes
+  vec2 dx = vec2(smaller(dFdx(p.x), dFdx(u)), dFdx(p.y));
+  vec2 dy = vec2(smaller(dFdy(p.x), dFdy(u)), dFdy(p.y));
+  return textureGrad(colour_map, p, dx, dy).rgb;
+}
+#else
+in vec2 texture_at;
+vec3 texture_colour() { return texture(colour_map, texture_at).rgb; }
+#endif
+vec3 surface_colour() { return base * material_colour * texture_colour(); }
+#else
+vec3 surface_colour() { return base * material_colour; }
+#endif
 
 #ifdef SHADOWS
 uniform sampler2DShadow shadow_map;
@@ -120,18 +157,26 @@ void main() {
   vec3 n = normalize(facing);
   vec3 to_eye = normalize(eye.xyz - at * eye.w);
   if (dot(n, to_eye) < 0.0) n = -n;
-  vec3 colour = base;
+  vec3 colour = surface_colour();
 #ifdef PLANE
   colour = with_grid(colour);
 #endif
   float open = sunlit(n) * light;
   float sun = max(dot(n, to_light), 0.0) * open;
   vec3 sky = mix(vec3(0.5, 0.49, 0.48), vec3(1.0), 0.5 + 0.5 * n.y) * ambient;
+#ifdef PLANE
   vec3 lit = colour * (sky + sun);
-#ifndef PLANE
-  lit += 0.18 * ambient * colour * dot(n, to_light);  // sides in shadow differ, too
-  float gloss = pow(max(dot(n, normalize(to_light + to_eye)), 0.0), 48.0);
-  lit += 0.22 * gloss * open * smoothstep(0.0, 0.15, dot(n, to_light));
+#else
+  vec3 diffuse = colour * (1.0 - metallic);
+  vec3 lit = diffuse * (sky + sun);
+  lit += 0.18 * ambient * diffuse * dot(n, to_light);  // sides in shadow differ, too
+  float gloss = pow(max(dot(n, normalize(to_light + to_eye)), 0.0), gloss_exponent);
+  lit += gloss_strength * gloss * open * smoothstep(0.0, 0.15, dot(n, to_light)) *
+         mix(vec3(1.0), colour, metallic);
+  // What a metal mirrors: a bright sky over a dark ground, blurred as it is rough.
+  float blur = 0.1 + roughness;
+  float above = smoothstep(-blur, blur, reflect(-to_eye, n).y);
+  lit += metallic * colour * mix(0.25, 1.1, above) * (ambient + 0.5 * light);
 #endif
   vec3 shown = mix(lit, colour, float(item & 1u));
 #ifdef PLANE

@@ -1,5 +1,6 @@
 #include "shapes.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -59,13 +60,29 @@ void Refine(std::vector<Vector3f>& corners, std::vector<uint32_t>& faces) {
   faces = std::move(fine);
 }
 
+/// With a picture that stands upright on it, its top towards -z where the square lies.
 void AddSquare(TriangleMesh& mesh, const Vector3f& centre, const Vector3f& u, const Vector3f& v) {
   const auto first = static_cast<uint32_t>(mesh.vertices.size());
   const Vector3f normal = u.cross(v).normalized();
+  const Vector3f up = normal.y() != 0 ? Vector3f(0, 0, -normal.y()) : Vector3f::UnitY();
+  const Vector3f right = up.cross(normal);
   for (const auto& [a, b] : {std::pair{-1, -1}, {1, -1}, {1, 1}, {-1, 1}}) {
-    mesh.vertices.push_back({centre + 0.5F * (a * u + b * v), normal});
+    const Vector3f at = centre + 0.5F * (a * u + b * v);
+    mesh.vertices.push_back({at, normal, {0.5F + at.dot(right), 0.5F - at.dot(up)}});
   }
   for (const uint32_t corner : {0, 1, 2, 0, 2, 3}) mesh.indices.push_back(first + corner);
+}
+
+Vector3f FlatNormal(const Vector3f& a, const Vector3f& b, const Vector3f& c) {
+  return (b - a).stableNormalized().cross((c - a).stableNormalized()).stableNormalized();
+}
+
+Vertex ToVertex(const Mesh& mesh, size_t i) {
+  Vertex vertex{mesh.positions[i], Vector3f::Zero()};
+  if (!mesh.normals.empty()) vertex.normal = mesh.normals[i].stableNormalized();
+  if (!mesh.coordinates.empty()) vertex.coordinates = mesh.coordinates[i];
+  if (!mesh.colours.empty()) vertex.colour = ToLinear(mesh.colours[i]);
+  return vertex;
 }
 
 }  // namespace
@@ -98,25 +115,60 @@ TriangleMesh UnitPlane() {
 
 TriangleMesh ToTriangles(const Mesh& mesh) {
   TriangleMesh triangles;
-  if (!mesh.normals.empty()) {
-    for (size_t i = 0; i < mesh.positions.size(); ++i) {
-      triangles.vertices.push_back({mesh.positions[i], mesh.normals[i].stableNormalized()});
-    }
+  for (size_t i = 0; i < mesh.positions.size(); ++i) {
+    triangles.vertices.push_back(ToVertex(mesh, i));
+  }
+  const auto has_normal = [](const Vertex& vertex) { return vertex.normal.squaredNorm() > 0; };
+  if (std::ranges::all_of(triangles.vertices, has_normal)) {
     triangles.indices = mesh.indices;
     return triangles;
   }
+  const std::vector<Vertex> shared = std::move(triangles.vertices);
+  triangles.vertices.clear();
   for (size_t i = 0; i < mesh.indices.size(); i += 3) {
-    const Vector3f& a = mesh.positions[mesh.indices[i]];
-    const Vector3f& b = mesh.positions[mesh.indices[i + 1]];
-    const Vector3f& c = mesh.positions[mesh.indices[i + 2]];
+    std::array<Vertex, 3> corners{shared[mesh.indices[i]], shared[mesh.indices[i + 1]],
+                                  shared[mesh.indices[i + 2]]};
+    const bool flat = !std::ranges::all_of(corners, has_normal);
     const Vector3f normal =
-        (b - a).stableNormalized().cross((c - a).stableNormalized()).stableNormalized();
-    for (const Vector3f* corner : {&a, &b, &c}) {
+        FlatNormal(corners[0].position, corners[1].position, corners[2].position);
+    for (Vertex& corner : corners) {
+      if (flat) corner.normal = normal;
       triangles.indices.push_back(static_cast<uint32_t>(triangles.vertices.size()));
-      triangles.vertices.push_back({*corner, normal});
+      triangles.vertices.push_back(corner);
     }
   }
   return triangles;
+}
+
+TriangleMesh ToTriangles(std::span<const Triangle> triangles, const Vector3f& origin) {
+  TriangleMesh mesh;
+  mesh.vertices.reserve(triangles.size() * 3);
+  for (const Triangle& triangle : triangles) {
+    const auto& [a, b, c] = triangle.corners;
+    const Vector3f normal = FlatNormal(a, b, c);
+    for (size_t corner = 0; corner < 3; ++corner) {
+      mesh.indices.push_back(static_cast<uint32_t>(mesh.vertices.size()));
+      mesh.vertices.push_back({triangle.corners[corner] - origin, normal, {0, 0},
+                               ToLinear(triangle.colours[corner])});
+    }
+  }
+  return mesh;
+}
+
+float ToLinear(uint8_t srgb) {
+  static const auto table = [] {
+    std::array<float, 256> values;
+    for (size_t i = 0; i < values.size(); ++i) {
+      const double s = static_cast<double>(i) / 255;
+      values[i] = static_cast<float>(s <= 0.04045 ? s / 12.92 : std::pow((s + 0.055) / 1.055, 2.4));
+    }
+    return values;
+  }();
+  return table[srgb];
+}
+
+std::array<float, 3> ToLinear(const Colour& colour) {
+  return {ToLinear(colour[0]), ToLinear(colour[1]), ToLinear(colour[2])};
 }
 
 }  // namespace vesper::render

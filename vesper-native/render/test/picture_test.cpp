@@ -6,41 +6,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "renderer.hpp"
-#include "scene_stream.hpp"
-#include "stream_writer.hpp"
+#include "picture.hpp"
 
 namespace vesper::render::test {
 namespace {
 
 constexpr float kPi = std::numbers::pi_v<float>;
-constexpr Rgba kBlack{0, 0, 0, 255}, kWhite{255, 255, 255, 255}, kRed{255, 0, 0, 255},
-    kGreen{0, 255, 0, 255}, kBlue{0, 0, 255, 255};
-
-/// A picture with the origin at its upper left.
-struct Picture {
-  Pixels pixels;
-
-  Rgba At(uint32_t x, uint32_t y) const {
-    const size_t at = (size_t{pixels.height - 1 - y} * pixels.width + x) * 3;
-    return {pixels.rgb[at], pixels.rgb[at + 1], pixels.rgb[at + 2], 255};
-  }
-
-  /// Pixels that satisfy a predicate of their colour.
-  template <class Predicate>
-  std::vector<Eigen::Vector2i> Where(Predicate predicate) const {
-    std::vector<Eigen::Vector2i> found;
-    for (uint32_t y = 0; y < pixels.height; ++y) {
-      for (uint32_t x = 0; x < pixels.width; ++x) {
-        if (predicate(At(x, y))) found.emplace_back(x, y);
-      }
-    }
-    return found;
-  }
-  std::vector<Eigen::Vector2i> Of(Rgba colour) const {
-    return Where([&](Rgba pixel) { return pixel == colour; });
-  }
-};
 
 /// Smallest rectangle around pixels: {left, top, right, bottom}, the far sides exclusive.
 Eigen::Vector4i BoxAround(const std::vector<Eigen::Vector2i>& points) {
@@ -51,35 +22,6 @@ Eigen::Vector4i BoxAround(const std::vector<Eigen::Vector2i>& points) {
   }
   return box;
 }
-
-class PictureTest : public testing::Test {
- protected:
-  static void SetUpTestSuite() { renderer_ = std::make_unique<Renderer>(16); }
-  static void TearDownTestSuite() { renderer_.reset(); }
-
-  /// Draws with a black background, one sample and no shadows unless the messages say otherwise.
-  static Picture Draw(const std::vector<Message>& messages) {
-    SceneDecoder decoder;
-    const auto feed = [&](const Message& message) {
-      const std::string bytes = message.Bytes();
-      MessageHeader header;
-      std::memcpy(&header, bytes.data(), sizeof header);
-      decoder.Decode(static_cast<MessageType>(header.type),
-                     std::as_bytes(std::span(bytes)).subspan(sizeof header));
-    };
-    feed(Hello());
-    feed(Image(400, 300, 0, 0));
-    feed(Environment(kBlack, kBlack, {0, 1, 0}, 0.5F, 0.25F));
-    for (const Message& message : messages) feed(message);
-    return {renderer_->Render(decoder.scene())};
-  }
-
-  static std::unique_ptr<Renderer> renderer_;
-};
-
-std::unique_ptr<Renderer> PictureTest::renderer_;
-
-Item Unlit(Vec3 position, Vec3 size, Rgba colour) { return {position, size, colour, kUnlit}; }
 
 TEST_F(PictureTest, SphereCoversTheSolidAngleOfItsCone) {
   // A sphere on the axis at distance d shows as a disc of radius tan(asin(r / d)) at depth 1.

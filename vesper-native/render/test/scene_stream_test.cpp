@@ -72,14 +72,20 @@ TEST(SceneStream, ColumnsArriveInTheirRows) {
   EXPECT_EQ(scene.segments[0].width, 2.5F);
 }
 
-TEST(SceneStream, NextPictureForgetsItemsAndKeepsMeshes) {
+TEST(SceneStream, NextPictureForgetsItemsAndKeepsMeshesAndTextures) {
   SceneDecoder decoder;
   Feed(decoder, Hello());
   Feed(decoder, Mesh(7, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}));
   Feed(decoder, Instances(4, {Item{}}, 7));
   Feed(decoder, Segments({{{0, 0, 0}, {1, 0, 0}}}, 1));
+  Feed(decoder, Texture(3, 1, 1, {{1, 2, 3, 4}}));
+  Feed(decoder, Material(1, {}, 0, 0, 3));
+  Feed(decoder, Triangles({{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, {}}}));
   decoder.NextPicture();
   EXPECT_TRUE(decoder.scene().batches.empty());
+  EXPECT_TRUE(decoder.scene().materials.empty());
+  EXPECT_TRUE(decoder.scene().triangles.empty());
+  EXPECT_EQ(decoder.scene().textures.at(3).pixels, (std::vector<uint8_t>{1, 2, 3, 4}));
   EXPECT_TRUE(decoder.scene().segments.empty());
   EXPECT_EQ(decoder.scene().meshes.count(7), 1U);
   Feed(decoder, Mesh(7, {}, {}));
@@ -97,6 +103,8 @@ TEST(SceneStream, RenderSaysWhereThePictureGoes) {
 
 TEST(SceneStream, BreachesAreRefusedWithTheirReason) {
   const Item item;
+  const Rgba white{255, 255, 255, 255};
+  const Message triangle = Mesh(1, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}});
   const auto with_item = [&](auto change) {
     Item changed = item;
     change(changed);
@@ -106,7 +114,7 @@ TEST(SceneStream, BreachesAreRefusedWithTheirReason) {
       {{Camera()}, "HELLO must come first, found CAMERA"},
       {{Hello(), Hello()}, "a second HELLO"},
       {{Message(1).Text("GIF8").U32(1)}, "does not begin with \"VSCN\""},
-      {{Message(1).Text("VSCN").U32(9)}, "version 9, this program speaks 1"},
+      {{Message(1).Text("VSCN").U32(9)}, "version 9, this program speaks 2"},
       {{Hello(), Message(99)}, "unknown message type 99"},
       {{Hello(), Message(2).U32(1)}, "IMAGE: too short for height: 4 bytes needed, 0 left"},
       {{Hello(), Image(64, 64, 0, 0).U32(5)}, "IMAGE: 4 bytes too many"},
@@ -132,13 +140,31 @@ TEST(SceneStream, BreachesAreRefusedWithTheirReason) {
        "id 1 is in use by INSTANCES"},
       {{Hello(), Instances(4, {item}, 3)}, "mesh 3 is not known"},
       {{Hello(), Instances(5, {item})}, "shape is 5, expected 1 to 4"},
-      {{Hello(), Message(6).U32(1).U32(0).U32(1U << 20)}, "too short for position"},
-      {{Hello(), Message(6).U32(1).U32(0).U32(~0U)}, "number of instances is 4294967295"},
+      {{Hello(), Message(6).U32(1).U32(0).Put(Part{}).U32(1U << 20)}, "too short for position"},
+      {{Hello(), Message(6).U32(1).U32(0).Put(Part{}).U32(~0U)}, "number of instances is 4294967295"},
       {with_item([](Item& i) { i.position[2] = kNan; }), "position of row 1 is not finite"},
       {with_item([](Item& i) { i.size[0] = -1; }), "size of row 1 is negative"},
       {with_item([](Item& i) { i.orientation[3] = 2; }), "orientation of row 1 has the length 2"},
       {with_item([](Item& i) { i.orientation[3] = 0; }), "expected a unit quaternion"},
       {with_item([](Item& i) { i.flags = 8; }), "item flags of row 1 has unknown bits: 8"},
+      {{Hello(), Message(5).U32(1).U32(3).U32(1).U32(8)}, "attributes is 8, expected 0 to 7"},
+      {{Hello(), Instances(1, {item}, 0, {1})}, "material 1 is not known"},
+      {{Hello(), triangle, Instances(4, {item}, 1, {0, 1, 1})}, "triangles 1 to 2 of a shape that"},
+      {{Hello(), triangle, Instances(4, {item}, 1, {0, ~0U, 2})}, "triangles 4294967295 to 429"},
+      {{Hello(), Instances(2, {item}, 0, {0, 0, 1})}, "triangles 0 to 1 of a shape that has 0"},
+      {{Hello(), Texture(0, 1, 1, {white})}, "0 is no id"},
+      {{Hello(), Texture(1, 2, 1, {white})}, "TEXTURE: too short for pixels: 8 bytes needed, 4"},
+      {{Hello(), Message(9).U32(1).U32(8192).U32(8192)}, "67108864 pixels, at most 16777216"},
+      {{Hello(), Material(1, white, 0, 0, 3)}, "texture 3 is not known"},
+      {{Hello(), Material(0, white, 0, 0)}, "id 0 is the default"},
+      {{Hello(), Material(1, white, 0, 0), Material(1, white, 0, 0)}, "id 1 is taken"},
+      {{Hello(), Material(1, white, 1.5F, 0)}, "roughness is 1.5, expected 0 to 1"},
+      {{Hello(), Material(1, white, 0, kNan)}, "metallic is nan"},
+      {{Hello(), Texture(1, 1, 1, {white}), Material(1, white, 0, 0, 1), Texture(1, 0, 0, {})},
+       "id 1 is in use by a MATERIAL"},
+      {{Hello(), Triangles({{{{{0, 0, 0}, {0, kNan, 0}, {0, 0, 0}}}, {}}})},
+       "corners of row 0 is not finite"},
+      {{Hello(), Message(11).U32(~0U)}, "number of triangles is 4294967295"},
       {{Hello(), Segments({{{0, 0, 0}, {1, 0, 0}}}, 0)}, "width is 0, expected 0.25 to 64"},
       {{Hello(), Segments({{{0, 0, 0}, {kNan, 0, 0}}}, 1)}, "to of row 0 is not finite"},
       {{Hello(), RenderToAnswer()}, "no CAMERA came before it"},

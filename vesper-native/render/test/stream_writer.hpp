@@ -46,7 +46,7 @@ struct Item {
   std::array<float, 4> orientation{0, 0, 0, 1};
 };
 
-inline Message Hello() { return Message(1).Text("VSCN").U32(1); }
+inline Message Hello() { return Message(1).Text("VSCN").U32(2); }
 
 inline Message Image(uint32_t width, uint32_t height, uint32_t samples, uint32_t flags) {
   return Message(2).U32(width).U32(height).U32(samples).U32(flags);
@@ -74,9 +74,15 @@ inline Message Mesh(uint32_t id, const std::vector<Vec3>& positions,
   return message;
 }
 
-inline Message Instances(uint32_t shape, const std::vector<Item>& items, uint32_t mesh = 0) {
+/// Which triangles of a mesh are shown in which material.
+struct Part {
+  uint32_t material = 0, first_triangle = 0, triangles = 0;
+};
+
+inline Message Instances(uint32_t shape, const std::vector<Item>& items, uint32_t mesh = 0,
+                         Part part = {}) {
   Message message(6);
-  message.U32(shape).U32(mesh).U32(static_cast<uint32_t>(items.size()));
+  message.U32(shape).U32(mesh).Put(part).U32(static_cast<uint32_t>(items.size()));
   for (const Item& item : items) message.Put(item.position);
   for (const Item& item : items) message.Put(item.orientation);
   for (const Item& item : items) message.Put(item.size);
@@ -96,6 +102,33 @@ inline Message Segments(const std::vector<Line>& lines, float width) {
   for (const Line& line : lines) message.Put(line.from);
   for (const Line& line : lines) message.Put(line.to);
   for (const Line& line : lines) message.Put(line.colour);
+  return message;
+}
+
+/// Pixels from the upper left.
+inline Message Texture(uint32_t id, uint32_t width, uint32_t height,
+                       const std::vector<Rgba>& pixels) {
+  Message message(9);
+  message.U32(id).U32(width).U32(height);
+  for (const Rgba& pixel : pixels) message.Put(pixel);
+  return message;
+}
+
+inline Message Material(uint32_t id, Rgba colour, float roughness, float metallic,
+                        uint32_t texture = 0) {
+  return Message(10).U32(id).Put(colour).F32(roughness).F32(metallic).U32(texture);
+}
+
+struct Corners {
+  std::array<Vec3, 3> positions;
+  std::array<Rgba, 3> colours;
+};
+
+inline Message Triangles(const std::vector<Corners>& triangles) {
+  Message message(11);
+  message.U32(static_cast<uint32_t>(triangles.size()));
+  for (const Corners& triangle : triangles) message.Put(triangle.positions);
+  for (const Corners& triangle : triangles) message.Put(triangle.colours);
   return message;
 }
 

@@ -2,9 +2,13 @@ package reve.worlds.render;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import java.util.List;
 import java.util.Optional;
+import java.util.function.Consumer;
 import reve.core.world.ColumnView;
 import reve.core.world.ItemId;
+import reve.core.world.ItemSymbols;
+import reve.core.world.Material;
 import reve.core.world.Mesh;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
@@ -13,8 +17,9 @@ import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
 
 /**
- * Shows a world as it was at the end of a frame: its bodies by shape, its springs as lines. Planes
- * get a grid; a world without planes stands over a faint ground that fades, so that depth and
+ * Shows a world as it was at the end of a frame: its bodies by shape and material, its springs as
+ * lines, its surfaces as triangles in the colours of the bodies at their corners. A body whose
+ * colour has alpha 0 is hidden, and so is a surface between three such bodies. Planes get a grid; a world without planes stands over a faint ground that fades, so that depth and
  * motion can be read.
  *
  * @param image size and quality
@@ -68,30 +73,92 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
                 + " was overwritten while it was read; take a newer one");
     }
 
-    /** Box around all bodies with a shape but planes, or around the planes if there is no other. */
+    /**
+     * Box around all bodies that are seen but planes, and around surfaces; around the planes if
+     * there is nothing else.
+     */
     public static Optional<Bounds> bounds(WorldSnapshot snapshot) {
         TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
-        return bounds(bodies, false).or(() -> bounds(bodies, true));
+        var box = new Box();
+        addBodies(box, bodies, false);
+        addSurfaces(box, snapshot, bodies);
+        if (box.isEmpty()) {
+            addBodies(box, bodies, true);
+        }
+        return box.bounds();
     }
 
-    private static Optional<Bounds> bounds(TableSnapshot bodies, boolean planes) {
+    /** A box that grows. */
+    private static final class Box {
+        private final double[] low = {INFINITY, INFINITY, INFINITY};
+        private final double[] high = {-INFINITY, -INFINITY, -INFINITY};
+
+        void add(Reals lows, Reals highs, long at) {
+            for (int i = 0; i < 3; i++) {
+                low[i] = Math.min(low[i], lows.at(at + i));
+                high[i] = Math.max(high[i], highs.at(at + i));
+            }
+        }
+
+        boolean isEmpty() {
+            return low[0] == INFINITY;
+        }
+
+        Optional<Bounds> bounds() {
+            return isEmpty() ? Optional.empty() : Optional.of(new Bounds(point(low), point(high)));
+        }
+    }
+
+    private static void addBodies(Box box, TableSnapshot bodies, boolean planes) {
         var lows = new Reals(bodies, "boundsMin");
         var highs = new Reals(bodies, "boundsMax");
         MemorySegment shape = bodies.column("shape").segment();
-        double[] low = {INFINITY, INFINITY, INFINITY};
-        double[] high = {-INFINITY, -INFINITY, -INFINITY};
+        MemorySegment colour = bodies.column("colour").segment();
         for (int row = 0; row < bodies.rowCount(); row++) {
             int code = shape.getAtIndex(INT, row);
-            if (code == Shape.NONE || (code == Shape.PLANE) != planes) {
-                continue;
-            }
-            for (int i = 0; i < 3; i++) {
-                low[i] = Math.min(low[i], lows.at(row * 3L + i));
-                high[i] = Math.max(high[i], highs.at(row * 3L + i));
+            if (code != Shape.NONE && (code == Shape.PLANE) == planes
+                    && !isHidden(colour.getAtIndex(INT, row))) {
+                box.add(lows, highs, row * 3L);
             }
         }
-        return low[0] == INFINITY ? Optional.empty()
-                : Optional.of(new Bounds(point(low), point(high)));
+    }
+
+    private static void addSurfaces(Box box, WorldSnapshot snapshot, TableSnapshot bodies) {
+        var position = new Reals(bodies, "position");
+        forEachSurface(snapshot, bodies, corners -> {
+            for (int row : corners) {
+                box.add(position, position, row * 3L);
+            }
+        });
+    }
+
+    /** Hands over the rows of the bodies at the corners of each surface that is seen. */
+    private static void forEachSurface(WorldSnapshot snapshot, TableSnapshot bodies,
+            Consumer<int[]> corners) {
+        MemorySegment colour = bodies.column("colour").segment();
+        for (TableSnapshot surfaces : snapshot.tables()) {
+            if (!surfaces.kind().equals(WorldPrototype.SURFACE)) {
+                continue;
+            }
+            ColumnView vertices = surfaces.column("vertices");
+            int[] rows = new int[3];
+            for (int row = 0; row < surfaces.rowCount(); row++) {
+                boolean seen = false;
+                boolean complete = true;
+                for (int corner = 0; corner < 3; corner++) {
+                    rows[corner] = rowOf(bodies, vertices, row, corner);
+                    complete &= rows[corner] >= 0;
+                    seen |= rows[corner] >= 0 && !isHidden(colour.getAtIndex(INT, rows[corner]));
+                }
+                if (seen && complete) {
+                    corners.accept(rows);
+                }
+            }
+        }
+    }
+
+    private static boolean isHidden(int rgba) {
+        return rgba >>> 24 == 0;
     }
 
     private Scene read(WorldSnapshot snapshot) {
@@ -103,6 +170,7 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         if (!hasPlane) {
             addGround(scene, bounds);
         }
+        addSurfaces(scene, snapshot, bodies);
         for (TableSnapshot table : snapshot.tables()) {
             if (table.kind().equals(WorldPrototype.SPRING)) {
                 addSprings(scene, table, bodies);
@@ -121,25 +189,37 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         boolean hasPlane = false;
         for (int row = 0; row < bodies.rowCount(); row++) {
             int code = shape.getAtIndex(INT, row);
-            if (code == Shape.NONE) {
+            int rgba = colour.getAtIndex(INT, row);
+            if (code == Shape.NONE || isHidden(rgba)) {
                 continue;
             }
-            Instances instances = code == Shape.MESH
-                    ? scene.instances((Mesh) snapshot.symbols().get(bodies.idAt(row)).shape())
-                    : scene.instances(code);
             long at = row * 3L;
-            instances.position(position.at(at), position.at(at + 1), position.at(at + 2));
-            addOrientation(instances, orientation, row * 4L);
-            if (code == Shape.MESH) {
-                instances.size(1, 1, 1);
-            } else {
-                instances.size(size.at(at), size.at(at + 1), size.at(at + 2));
+            for (Instances instances : looks(scene, snapshot.symbols().get(bodies.idAt(row)))) {
+                instances.position(position.at(at), position.at(at + 1), position.at(at + 2));
+                addOrientation(instances, orientation, row * 4L);
+                if (code == Shape.MESH) {
+                    instances.size(1, 1, 1);
+                } else {
+                    instances.size(size.at(at), size.at(at + 1), size.at(at + 2));
+                }
+                instances.colour(rgba);
+                instances.flags(code == Shape.PLANE ? Instances.GRID : 0);
             }
-            instances.colour(colour.getAtIndex(INT, row));
-            instances.flags(code == Shape.PLANE ? Instances.GRID : 0);
             hasPlane |= code == Shape.PLANE;
         }
         return hasPlane;
+    }
+
+    /** Where an item belongs: once, or once for each part of a mesh in materials of its own. */
+    private static List<Instances> looks(Scene scene, ItemSymbols item) {
+        Material material = item.material().orElse(Material.DEFAULT);
+        if (!(item.shape() instanceof Mesh mesh)) {
+            return List.of(scene.instances(item.shape().code(), material));
+        }
+        if (item.material().isPresent() || mesh.parts().isEmpty()) {
+            return List.of(scene.instances(mesh, material));
+        }
+        return mesh.parts().stream().map(part -> scene.instances(mesh, part)).toList();
     }
 
     /** A law may let the length of a quaternion drift; a picture wants it to be 1. */
@@ -163,9 +243,21 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         double step = Math.pow(10, Math.floor(Math.log10(side)));
         double level = low >= 0 && low <= 2 * side ? 0 : Math.floor(low / step) * step;
         Point centre = bounds.centre();
-        scene.instances(Shape.PLANE).position(centre.x(), level, centre.z())
+        scene.instances(Shape.PLANE, Material.DEFAULT).position(centre.x(), level, centre.z())
                 .orientation(0, 0, 0, 1).size(GROUND_SIDE * side, 0, GROUND_SIDE * side)
                 .colour(GROUND_RGBA).flags(Instances.GRID | Instances.FADE);
+    }
+
+    private static void addSurfaces(Scene scene, WorldSnapshot snapshot, TableSnapshot bodies) {
+        var position = new Reals(bodies, "position");
+        MemorySegment colour = bodies.column("colour").segment();
+        forEachSurface(snapshot, bodies, corners -> {
+            for (int row : corners) {
+                long at = 3L * row;
+                scene.triangles().corner(position.at(at), position.at(at + 1),
+                        position.at(at + 2), colour.getAtIndex(INT, row));
+            }
+        });
     }
 
     private void addSprings(Scene scene, TableSnapshot springs, TableSnapshot bodies) {
@@ -174,8 +266,8 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         ColumnView end2 = springs.column("end2");
         float width = Math.clamp(image.height() * SPRING_WIDTH, 1.5f, 16f);
         for (int row = 0; row < springs.rowCount(); row++) {
-            long from = 3L * rowOf(bodies, end1, row);
-            long to = 3L * rowOf(bodies, end2, row);
+            long from = 3L * rowOf(bodies, end1, row, 0);
+            long to = 3L * rowOf(bodies, end2, row, 0);
             if (from < 0 || to < 0) {
                 continue;
             }
@@ -186,8 +278,8 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
     }
 
     /** Row of the body that is referred to, negative if there is none. */
-    private static int rowOf(TableSnapshot bodies, ColumnView references, int row) {
-        long id = references.getReference(row, 0);
+    private static int rowOf(TableSnapshot bodies, ColumnView references, int row, int which) {
+        long id = references.getReference(row, which);
         return id > 0 ? bodies.rowOf(new ItemId(id)) : -1;
     }
 

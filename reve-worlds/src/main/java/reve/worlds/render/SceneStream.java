@@ -11,22 +11,27 @@ import java.nio.channels.Channels;
 import java.nio.channels.WritableByteChannel;
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
+import java.util.Set;
+import reve.core.world.Material;
 import reve.core.world.Mesh;
-import reve.core.world.Shape;
+import reve.core.world.Texture;
 
 /**
- * Our end of the scene stream, version 1 (vesper-native/render/SCENE.md): writes messages, reads
- * answers, and knows which meshes the other end has.
+ * Our end of the scene stream, version 2 (vesper-native/render/SCENE.md): writes messages, reads
+ * answers, and knows which meshes and textures the other
+ * end has.
  */
 final class SceneStream {
 
     static final int OK = 0;
     static final int MALFORMED = 1;
 
-    private static final int VERSION = 1;
+    private static final int VERSION = 2;
     private static final byte[] MAGIC = "VSCN".getBytes(StandardCharsets.US_ASCII);
     private static final int HELLO = 1;
     private static final int IMAGE = 2;
@@ -36,6 +41,12 @@ final class SceneStream {
     private static final int INSTANCES = 6;
     private static final int SEGMENTS = 7;
     private static final int RENDER = 8;
+    private static final int TEXTURE = 9;
+    private static final int MATERIAL = 10;
+    private static final int TRIANGLES = 11;
+    private static final int NORMALS = 1;
+    private static final int COORDINATES = 2;
+    private static final int COLOURS = 4;
     private static final int MAX_ANSWER_BYTES = 256 << 20;
 
     /** What came back: the PNG or nothing if OK, else the reason. */
@@ -50,7 +61,8 @@ final class SceneStream {
     private final InputStream in;
     private final ByteBuffer scratch = ByteBuffer.allocate(128).order(ByteOrder.LITTLE_ENDIAN);
     private final Map<Mesh, Integer> meshIds = new LinkedHashMap<>();
-    private int lastMeshId;
+    private final Map<Texture, Integer> textureIds = new LinkedHashMap<>();
+    private int lastId;
 
     SceneStream(OutputStream out, InputStream in) {
         this.out = out;
@@ -93,17 +105,18 @@ final class SceneStream {
     private void write(Scene scene, String path) throws IOException {
         writeSettings(scene);
         writeMeshes(scene);
-        for (var entry : scene.simple().entrySet()) {
-            writeInstances(entry.getKey(), 0, entry.getValue());
-        }
-        for (var entry : scene.meshes().entrySet()) {
-            writeInstances(Shape.MESH, meshIds.get(entry.getKey()), entry.getValue());
+        Map<Material, Integer> materials = writeMaterials(scene);
+        for (var entry : scene.instances().entrySet()) {
+            writeInstances(entry.getKey(), materials.get(entry.getKey().material()),
+                    entry.getValue());
         }
         for (var entry : scene.segments().entrySet()) {
             Segments segments = entry.getValue();
             begin(SEGMENTS).putInt(segments.count()).putFloat(entry.getKey());
             end(segments.columns());
         }
+        begin(TRIANGLES).putInt(scene.triangles().count());
+        end(scene.triangles().columns());
         begin(RENDER).putInt(path.isEmpty() ? 0 : 1);
         endWith(List.of(ByteBuffer.wrap(path.getBytes(StandardCharsets.UTF_8))));
         out.flush();
@@ -132,38 +145,102 @@ final class SceneStream {
 
     /** Sends the scene's meshes that the other end lacks and frees those it needs no more. */
     private void writeMeshes(Scene scene) throws IOException {
+        Set<Mesh> wanted = new LinkedHashSet<>();
+        for (Scene.Look look : scene.instances().keySet()) {
+            if (look.mesh() != null) {
+                wanted.add(look.mesh());
+            }
+        }
         for (Mesh mesh : new ArrayList<>(meshIds.keySet())) {
-            if (!scene.meshes().containsKey(mesh)) {
+            if (!wanted.contains(mesh)) {
                 begin(MESH).putInt(meshIds.remove(mesh)).putInt(0).putInt(0).putInt(0);
                 end(List.of());
             }
         }
-        for (Mesh mesh : scene.meshes().keySet()) {
+        for (Mesh mesh : wanted) {
             if (!meshIds.containsKey(mesh)) {
-                meshIds.put(mesh, ++lastMeshId);
-                writeMesh(lastMeshId, mesh);
+                meshIds.put(mesh, ++lastId);
+                writeMesh(lastId, mesh);
             }
         }
     }
 
     private void writeMesh(int id, Mesh mesh) throws IOException {
-        FloatBuffer vertices = mesh.vertices();
-        IntBuffer triangles = mesh.triangles();
-        begin(MESH).putInt(id).putInt(vertices.remaining() / 3).putInt(triangles.remaining() / 3)
-                .putInt(0);
-        var numbers = ByteBuffer.allocate((vertices.remaining() + triangles.remaining()) * 4)
-                .order(ByteOrder.LITTLE_ENDIAN);
-        while (vertices.hasRemaining()) {
-            numbers.putFloat(vertices.get());
-        }
-        while (triangles.hasRemaining()) {
-            numbers.putInt(triangles.get());
-        }
-        endWith(List.of(numbers.flip()));
+        int attributes = (mesh.normals().isPresent() ? NORMALS : 0)
+                | (mesh.textureCoordinates().isPresent() ? COORDINATES : 0)
+                | (mesh.colours().isPresent() ? COLOURS : 0);
+        begin(MESH).putInt(id).putInt(mesh.vertices().remaining() / 3)
+                .putInt(mesh.triangles().remaining() / 3).putInt(attributes);
+        List<ByteBuffer> numbers = new ArrayList<>();
+        numbers.add(bytes(mesh.vertices()));
+        mesh.normals().map(SceneStream::bytes).ifPresent(numbers::add);
+        mesh.textureCoordinates().map(SceneStream::bytes).ifPresent(numbers::add);
+        mesh.colours().map(SceneStream::bytes).ifPresent(numbers::add);
+        numbers.add(bytes(mesh.triangles()));
+        endWith(numbers);
     }
 
-    private void writeInstances(int shape, int meshId, Instances instances) throws IOException {
-        begin(INSTANCES).putInt(shape).putInt(meshId).putInt(instances.count());
+    private static ByteBuffer bytes(FloatBuffer numbers) {
+        ByteBuffer bytes = allocate(numbers.remaining());
+        bytes.asFloatBuffer().put(numbers);
+        return bytes;
+    }
+
+    private static ByteBuffer bytes(IntBuffer numbers) {
+        ByteBuffer bytes = allocate(numbers.remaining());
+        bytes.asIntBuffer().put(numbers);
+        return bytes;
+    }
+
+    private static ByteBuffer allocate(int numbers) {
+        return ByteBuffer.allocate(4 * numbers).order(ByteOrder.LITTLE_ENDIAN);
+    }
+
+    /** As meshes. */
+    private void writeTextures(Collection<Material> materials) throws IOException {
+        Set<Texture> wanted = new LinkedHashSet<>();
+        materials.forEach(material -> material.texture().ifPresent(wanted::add));
+        for (Texture texture : new ArrayList<>(textureIds.keySet())) {
+            if (!wanted.contains(texture)) {
+                begin(TEXTURE).putInt(textureIds.remove(texture)).putInt(0).putInt(0);
+                end(List.of());
+            }
+        }
+        for (Texture texture : wanted) {
+            if (!textureIds.containsKey(texture)) {
+                textureIds.put(texture, ++lastId);
+                begin(TEXTURE).putInt(lastId).putInt(texture.width()).putInt(texture.height());
+                endWith(List.of(texture.rgba()));
+            }
+        }
+    }
+
+    /** Sends what the instances are made of and returns the number of each material. */
+    private Map<Material, Integer> writeMaterials(Scene scene) throws IOException {
+        Map<Material, Integer> ids = new LinkedHashMap<>();
+        ids.put(Material.DEFAULT, 0);
+        scene.instances().keySet().forEach(
+                look -> ids.putIfAbsent(look.material(), ids.size()));
+        writeTextures(ids.keySet());
+        for (var entry : ids.entrySet()) {
+            Material material = entry.getKey();
+            if (entry.getValue() > 0) {
+                begin(MATERIAL).putInt(entry.getValue()).putInt(material.colour().rgba())
+                        .putFloat((float) material.roughness())
+                        .putFloat((float) material.metallic())
+                        .putInt(material.texture().map(textureIds::get).orElse(0));
+                end(List.of());
+            }
+        }
+        return ids;
+    }
+
+    private void writeInstances(Scene.Look look, int material, Instances instances)
+            throws IOException {
+        Integer mesh = look.mesh() == null ? null : meshIds.get(look.mesh());
+        begin(INSTANCES).putInt(look.shape()).putInt(mesh == null ? 0 : mesh).putInt(material)
+                .putInt(look.firstTriangle()).putInt(look.triangleCount())
+                .putInt(instances.count());
         end(instances.columns());
     }
 

@@ -3,6 +3,7 @@ package reve.worlds.render;
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
+import java.nio.ByteBuffer;
 import java.nio.file.Path;
 import java.util.Optional;
 import org.junit.jupiter.api.Test;
@@ -11,9 +12,12 @@ import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.derive.BoundingBoxes;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Material;
+import reve.core.world.Mesh;
 import reve.core.world.OffHeapArena;
 import reve.core.world.Shape;
 import reve.core.world.SnapshotRing;
+import reve.core.world.Texture;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
@@ -82,6 +86,77 @@ class SceneBuilderIT {
         assertThat(picture.at(100, 40)).as("above the spring").isZero();
         assertThat(picture.at(25, 50)).as("beyond the spring").isZero();
         assertThat(picture.count(rgb -> isMostly(rgb, 0))).isEqualTo(40 * 20);
+    }
+
+    private static ItemDefinition.Builder corner(String name, String colour) {
+        return ItemDefinition.named(name).colour(colour).physics("mass", 1);
+    }
+
+    private static ItemDefinition surface(String name, String... corners) {
+        return ItemDefinition.named(name).kind("surface").physics("hardness", 1)
+                .reference("vertices", corners).build();
+    }
+
+    @Test
+    void surfacesAreTrianglesInTheColoursOfTheirCorners() {
+        World world = world("si-f64");
+        world.add(corner("a", "#ff0000").at(-5, -5, 0).build());
+        world.add(corner("b", "#00ff00").at(5, -5, 0).build());
+        world.add(corner("c", "#0000ff").at(0, 5, 0).build());
+        world.add(surface("face", "a", "b", "c"));
+        Picture picture = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(picture.at(55, 147), 16)).isTrue();
+        assertThat(isMostly(picture.at(144, 147), 8)).isTrue();
+        assertThat(isMostly(picture.at(100, 57), 0)).isTrue();
+        assertThat(picture.at(100, 155)).as("below").isZero();
+        try (WorldSnapshot snapshot = snapshot(world)) {
+            assertThat(SceneBuilder.bounds(snapshot)).contains(
+                    new Bounds(new Point(-5, -5, 0), new Point(5, 5, 0)));
+        }
+    }
+
+    @Test
+    void whatHasAColourWithoutAlphaIsHidden() {
+        World world = world("si-f64");
+        world.add(corner("a", "#ff000000").at(-5, -5, 0).build());
+        world.add(corner("b", "#ff000000").at(5, -5, 0).build());
+        world.add(corner("c", "#ff000000").at(0, 5, 0).build());
+        world.add(ball("d", "#ff000000").at(0, 0, 2).build());
+        world.add(surface("face", "a", "b", "c"));
+        assertThat(draw(world, Optional.of(FRONT)).count(rgb -> isMostly(rgb, 16))).isZero();
+        try (WorldSnapshot snapshot = snapshot(world)) {
+            assertThat(SceneBuilder.bounds(snapshot)).isEmpty();
+        }
+    }
+
+    private static Material painted(int... rgba) {
+        var pixels = ByteBuffer.allocate(4 * rgba.length);
+        for (int pixel : rgba) {
+            pixels.putInt(pixel);
+        }
+        return new Material(Colour.WHITE, 1, 0, Optional.of(
+                new Texture(rgba.length, 1, pixels.array(), Optional.empty())));
+    }
+
+    @Test
+    void bodiesWearTheirMaterialAndMeshesThatOfTheirParts() {
+        World world = world("si-f64");
+        world.add(ItemDefinition.named("box").shape(Shape.box(4, 4, 4)).at(-5, 0, 0)
+                .material(painted(0xff0000ff, 0x0000ffff)).build());
+        Mesh square = Mesh.builder(new float[] {-2, -2, 0, 2, -2, 0, 2, 2, 0, -2, 2, 0},
+                new int[] {0, 1, 2, 0, 2, 3}).part(1, painted(0x00ff00ff))
+                .part(1, new Material(Colour.parse("#0000ff"), 1, 0, Optional.empty()))
+                .textureCoordinates(new float[8]).build();
+        world.add(ItemDefinition.named("own").shape(square).at(5, 5, 0).build());
+        world.add(ItemDefinition.named("given").shape(square).at(5, -5, 0).colour("#ff0000")
+                .material(Material.DEFAULT).build());
+        Picture picture = draw(world, Optional.of(FRONT));
+        assertThat(isMostly(picture.at(40, 100), 16)).as("left of the texture").isTrue();
+        assertThat(isMostly(picture.at(60, 100), 0)).as("right of the texture").isTrue();
+        assertThat(isMostly(picture.at(160, 60), 8)).as("first part").isTrue();
+        assertThat(isMostly(picture.at(140, 40), 0)).as("second part").isTrue();
+        assertThat(isMostly(picture.at(160, 160), 16)).as("the item's material").isTrue();
+        assertThat(isMostly(picture.at(140, 140), 16)).as("the item's material").isTrue();
     }
 
     @Test

@@ -1,0 +1,32 @@
+package reve.worlds.render;
+
+import java.util.List;
+
+/** Flat triangles with a colour at each corner as columns; see {@link Instances}. */
+public final class Triangles {
+
+    private final GrowingColumn corners = new GrowingColumn();
+    private final GrowingColumn colours = new GrowingColumn();
+
+    Triangles() {}
+
+    /**
+     * The next corner [m]; three make a triangle.
+     *
+     * @param rgba see {@link reve.core.world.Colour#rgba()}; alpha is not shown
+     */
+    public Triangles corner(double x, double y, double z, int rgba) {
+        corners.add((float) x, (float) y, (float) z);
+        colours.add(rgba);
+        return this;
+    }
+
+    /** @throws IllegalStateException if the last triangle lacks a corner */
+    int count() {
+        return GrowingColumn.sharedRowCount(columns(), List.of(9, 3));
+    }
+
+    List<GrowingColumn> columns() {
+        return List.of(corners, colours);
+    }
+}
