@@ -29,6 +29,8 @@ final class Changes {
 
     private final ActionCall call;
     private final List<ItemDefinition> created = new ArrayList<>();
+    private final List<Runnable> all = new ArrayList<>();
+    private final List<Runnable> last = new ArrayList<>();
 
     private Changes(ActionCall call) {
         this.call = call;
@@ -62,23 +64,30 @@ final class Changes {
         }
     }
 
-    /** @throws ActionRefused if one of them cannot be had now; nothing has happened then */
-    static void make(ActionCall call, List<Effect> effects) throws ActionRefused {
+    /**
+     * Everything but the changes themselves.
+     *
+     * @throws ActionRefused if one of them cannot be had now
+     */
+    static Changes prepare(ActionCall call, List<Effect> effects) throws ActionRefused {
         var changes = new Changes(call);
-        List<Runnable> all = new ArrayList<>();
-        List<Runnable> last = new ArrayList<>();
         for (Effect effect : effects) {
-            (effect instanceof Effect.Remove ? last : all).add(changes.prepare(effect));
+            Runnable change = changes.prepare(effect);
+            (effect instanceof Effect.Remove ? changes.last : changes.all).add(change);
         }
-        if (!changes.created.isEmpty()) {
-            attempt("cannot-create", () -> call.world().requireAddable(changes.created));
-            call.world().addAll(changes.created);
+        attempt("cannot-create", () -> call.world().requireAddable(changes.created));
+        return changes;
+    }
+
+    /** Makes them; none can fail now. */
+    void make() {
+        if (!created.isEmpty()) {
+            call.world().addAll(created);
         }
         all.forEach(Runnable::run);
         last.forEach(Runnable::run);
     }
 
-    /** Everything but the change itself, which cannot fail. */
     private Runnable prepare(Effect effect) throws ActionRefused {
         Item item = effect.of().in(call);
         return switch (effect) {

@@ -34,6 +34,6 @@ public record DeclaredAction(String name, String doc, List<Parameter> parameters
     @Override
     public void perform(ActionCall call) throws ActionRefused {
         terms.require(this, call);
-        Changes.make(call, effects);
+        Changes.prepare(call, effects).make();
     }
 }

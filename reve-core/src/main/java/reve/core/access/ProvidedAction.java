@@ -37,15 +37,16 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
     @Override
     public void perform(ActionCall call) throws ActionRefused {
         terms.require(this, call);
-        List<Effect> effects;
+        Changes changes;
         try {
-            effects = List.copyOf(call.world().inspect("action " + provider.name(),
+            List<Effect> effects = List.copyOf(call.world().inspect("action " + provider.name(),
                     () -> provider.decide(call)));
             Changes.requireCompatible(name, effects);
+            changes = Changes.prepare(call, effects);
         } catch (RuntimeException | LinkageError | StackOverflowError failed) {
             throw new ActionRefused("action-failed",
                     "action " + provider.name() + " failed: " + failed, failed);
         }
-        Changes.make(call, effects);
+        changes.make();
     }
 }
