@@ -123,9 +123,12 @@ class Agent:
         """The name of the item that is this agent's body; only the role "agent" has one."""
         return self.welcome.body
 
-    def perceive(self) -> Perception:
-        """The items of the next frame."""
-        return self._ask(protocol.perceive, Perception)
+    def perceive(self, relations: bool = False) -> Perception:
+        """The items of the next frame.
+
+        With `relations`, the symbols of bodies with a shape hold `near`, `on`, `inside` and `touching`, too.
+        """
+        return self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
     def perceptions(self, every: int = 1) -> Iterator[Perception]:
         """A perception every that many frames, always the newest: a slow loop skips, it never lags.

@@ -169,10 +169,12 @@ def hello(
     return message
 
 
-def perceive(id: int, every: Optional[int] = None) -> Message:
+def perceive(id: int, every: Optional[int] = None, relations: bool = False) -> Message:
     message: Message = {"t": "perceive", "id": id}
     if every is not None:
         message["every"] = every
+    if relations:
+        message["relations"] = True
     return message
 
 

@@ -51,7 +51,7 @@ def said(message):
             None if resume is None else (resume["session"], resume["frame"]),
         )
     if t == "perceive":
-        return protocol.perceive(message["id"], message.get("every"))
+        return protocol.perceive(message["id"], message.get("every"), message.get("relations", False))
     if t == "act":
         return protocol.act(message["id"], message["item"], message["action"], message["arguments"])
     if t == "ping":

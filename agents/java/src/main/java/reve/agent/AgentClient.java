@@ -96,6 +96,15 @@ public final class AgentClient implements AutoCloseable {
         return ask(id, Protocol.perceive(id), Perception.class);
     }
 
+    /**
+     * The items of the next frame; the symbols of bodies with a shape hold {@code near}, {@code on}, {@code inside}
+     * and {@code touching}, too.
+     */
+    public Perception perceiveWithRelations() {
+        long id = nextId();
+        return ask(id, Protocol.perceiveWithRelations(id), Perception.class);
+    }
+
     /** Asks for a perception every that many frames from now on, for {@link #nextPerception()}. */
     public void perceiveEvery(int frames) {
         if (frames < 1) {

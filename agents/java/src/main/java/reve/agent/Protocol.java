@@ -45,6 +45,10 @@ final class Protocol {
         return message("perceive").put("id", id).toString();
     }
 
+    static String perceiveWithRelations(long id) {
+        return message("perceive").put("id", id).put("relations", true).toString();
+    }
+
     /** @param every frames between perceptions, 0 for no more */
     static String perceive(long id, int every) {
         return message("perceive").put("id", id).put("every", every).toString();

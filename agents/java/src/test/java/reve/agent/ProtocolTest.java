@@ -95,6 +95,7 @@ class ProtocolTest {
                     Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
                     message.optional("resume").map(resume -> new Join.Resume(
                             resume.get("session").stringValue(), resume.get("frame").longValue())), Duration.ZERO));
+            case "perceive" when message.has("relations") -> Protocol.perceiveWithRelations(id);
             case "perceive" -> message.has("every") ? Protocol.perceive(id, message.get("every").intValue())
                     : Protocol.perceive(id);
             case "act" -> {

@@ -45,8 +45,11 @@ sealed interface ClientMessage {
      */
     record Resume(String session, long frame) {}
 
-    /** @param every frames between perceptions; 0 for no more, {@link #ONCE} for one now */
-    record Perceive(long id, int every) implements ClientMessage {
+    /**
+     * @param every frames between perceptions; 0 for no more, {@link #ONCE} for one now
+     * @param relations whether symbols hold what is near, on, inside and touching, too
+     */
+    record Perceive(long id, int every, boolean relations) implements ClientMessage {
         static final int ONCE = -1;
     }
 

@@ -95,7 +95,8 @@ final class MessageReader {
                     fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"),
                     fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.resume());
             case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
-                    ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE);
+                    ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE,
+                    fields.has("relations") && fields.truth("relations"));
             case "act" -> new ClientMessage.Act(fields.required(), fields.text("item"), fields.text("action"),
                     fields.arguments());
             case "pause" -> new ClientMessage.Pause(fields.required());
@@ -194,6 +195,14 @@ final class MessageReader {
                 throw bad(id, name, "is " + show(field), "expected a text");
             }
             return Optional.of(field.stringValue());
+        }
+
+        boolean truth(String name) throws BadMessage {
+            JsonNode field = find(name);
+            if (field == null || !field.isBoolean()) {
+                throw bad(id, name, "is " + show(field), "expected true or false");
+            }
+            return field.booleanValue();
         }
 
         Map<String, Object> arguments() throws BadMessage {

@@ -15,6 +15,7 @@ import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
+import reve.core.world.Relations;
 import reve.core.world.TableSnapshot;
 import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
@@ -31,6 +32,9 @@ final class PerceptionEncoder {
     private static final SerializedString LOCATION = new SerializedString("location");
     private static final SerializedString SYMBOLS = new SerializedString("symbols");
     private static final SerializedString ACTIONS = new SerializedString("actions");
+    private static final SerializedString NEEDS = new SerializedString("needs");
+    private static final SerializedString CAPABILITIES = new SerializedString("capabilities");
+    private static final List<String> RELATIONS = Relations.NAMES.stream().sorted().toList();
     private static final int COORDINATES = 3;
 
     private final ByteArrayOutputStream bytes = new ByteArrayOutputStream(8 * 1024);
@@ -40,15 +44,16 @@ final class PerceptionEncoder {
 
     /** An item's symbolic part as JSON values. */
     private record EncodedItem(ItemSymbols source, SerializedString name, SerializedString symbols,
-            SerializedString actions) {}
+            SerializedString actions, Optional<SerializedString> needs, Optional<SerializedString> capabilities) {}
 
     /**
      * The frame's perception without the line's beginning, which differs between agents: everything after
      * {@code "id":…,}.
      *
+     * @param relations whether symbols hold what is near, on, inside and touching, too
      * @return empty if the snapshot was lost meanwhile
      */
-    Optional<byte[]> encode(WorldSnapshot snapshot) {
+    Optional<byte[]> encode(WorldSnapshot snapshot, boolean relations) {
         encodeSymbols(snapshot.symbols());
         bytes.reset();
         try (JsonGenerator json = Json.MAPPER.createGenerator(bytes)) {
@@ -64,7 +69,8 @@ final class PerceptionEncoder {
                 for (int i = 0; row >= 0 && i < COORDINATES; i++) {
                     location[i] = position.getDouble(row, i);
                 }
-                write(json, item, row < 0 ? null : location);
+                write(json, item, row < 0 ? null : location,
+                        relations ? withRelations(item, snapshot.relations()) : item.symbols);
             }
             json.writeEndArray();
             json.writeEndObject();
@@ -79,7 +85,25 @@ final class PerceptionEncoder {
         return snapshot.lost() ? Optional.empty() : Optional.of(Arrays.copyOfRange(all, 1, all.length));
     }
 
-    private static void write(JsonGenerator json, EncodedItem item, double @Nullable [] location) {
+    /** The item's symbols and, for bodies with a shape, its relations. */
+    private static SerializedString withRelations(EncodedItem item, Relations relations) {
+        SerializedString more = value(json -> {
+            json.writeStartObject();
+            for (String relation : RELATIONS) {
+                relations.of(item.source.id(), relation).ifPresent(names -> {
+                    json.writeName(relation);
+                    Json.writeValue(json, names);
+                });
+            }
+            json.writeEndObject();
+        });
+        String symbols = item.symbols.getValue();
+        return more.getValue().equals("{}") ? item.symbols : new SerializedString(
+                symbols.substring(0, symbols.length() - 1) + "," + more.getValue().substring(1));
+    }
+
+    private static void write(JsonGenerator json, EncodedItem item, double @Nullable [] location,
+            SerializedString symbols) {
         json.writeStartObject();
         json.writeName(NAME);
         json.writeRawValue(item.name);
@@ -88,9 +112,17 @@ final class PerceptionEncoder {
             json.writeArray(location, 0, COORDINATES);
         }
         json.writeName(SYMBOLS);
-        json.writeRawValue(item.symbols);
+        json.writeRawValue(symbols);
         json.writeName(ACTIONS);
         json.writeRawValue(item.actions);
+        item.needs.ifPresent(needs -> {
+            json.writeName(NEEDS);
+            json.writeRawValue(needs);
+        });
+        item.capabilities.ifPresent(capabilities -> {
+            json.writeName(CAPABILITIES);
+            json.writeRawValue(capabilities);
+        });
         json.writeEndObject();
     }
 
@@ -115,7 +147,22 @@ final class PerceptionEncoder {
 
     private static EncodedItem encode(ItemSymbols item) {
         return new EncodedItem(item, value(json -> json.writeString(item.name())),
-                value(json -> writeSymbols(json, item)), value(json -> writeActions(json, item.actions())));
+                value(json -> writeSymbols(json, item)), value(json -> writeActions(json, item.actions())),
+                needs(item.actions()), item.capabilities().isEmpty() ? Optional.empty()
+                        : Optional.of(value(json -> Json.writeValue(json, item.capabilities()))));
+    }
+
+    /** The capabilities that actions need, by their names; empty if none needs any. */
+    private static Optional<SerializedString> needs(List<Action> actions) {
+        return actions.stream().allMatch(action -> action.needs().isEmpty()) ? Optional.empty()
+                : Optional.of(value(json -> {
+                    json.writeStartObject();
+                    actions.stream().filter(action -> !action.needs().isEmpty()).forEach(action -> {
+                        json.writeName(action.name());
+                        Json.writeValue(json, action.needs());
+                    });
+                    json.writeEndObject();
+                }));
     }
 
     private static void writeSymbols(JsonGenerator json, ItemSymbols item) {
@@ -142,12 +189,20 @@ final class PerceptionEncoder {
                 if (parameter.type() == ParameterType.NUMBER) {
                     json.writeNumberProperty("components", parameter.components());
                     json.writeStringProperty("unit", parameter.unit().symbol());
+                    writeBound(json, "min", parameter.minimum());
+                    writeBound(json, "max", parameter.maximum());
                 }
                 json.writeEndObject();
             }
             json.writeEndObject();
         }
         json.writeEndObject();
+    }
+
+    private static void writeBound(JsonGenerator json, String name, double bound) {
+        if (Double.isFinite(bound)) {
+            json.writeNumberProperty(name, bound);
+        }
     }
 
     private interface ValueWriter {

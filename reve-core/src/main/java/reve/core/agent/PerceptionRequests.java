@@ -1,6 +1,7 @@
 package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
+import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
 import reve.core.agent.Outbox.Line;
 
@@ -12,9 +13,11 @@ final class PerceptionRequests {
     private boolean once;
     private long onceId;
     private long onceFrom;
+    private boolean onceRelations;
     private int every;
     private long everyId;
     private long everyFrom;
+    private boolean everyRelations;
     private long notBefore;
 
     /** @param served counts the perceptions handed over */
@@ -32,6 +35,7 @@ final class PerceptionRequests {
             every = perceive.every();
             everyId = perceive.id();
             everyFrom = published + 1;
+            everyRelations = perceive.relations();
             return;
         }
         if (once || outbox.hasAnswer()) {
@@ -42,6 +46,7 @@ final class PerceptionRequests {
         once = true;
         onceId = perceive.id();
         onceFrom = published + 1;
+        onceRelations = perceive.relations();
     }
 
     /** Perceptions must not be older than a result that the agent has got. */
@@ -53,18 +58,33 @@ final class PerceptionRequests {
         return frame >= notBefore && (isOnceDue(frame) || isEveryDue(frame));
     }
 
-    /** Hands over what is due in a frame, whose items the body holds. */
-    synchronized void serve(long frame, byte[] body) {
+    /** What agents perceive of a frame. */
+    interface Bodies {
+        /** @return empty if the frame is gone */
+        Optional<byte[]> of(boolean relations);
+    }
+
+    /** Hands over what is due in a frame; false if the frame is gone. */
+    synchronized boolean serve(long frame, Bodies bodies) {
         if (frame >= notBefore && isOnceDue(frame)) {
+            Optional<byte[]> body = bodies.of(onceRelations);
+            if (body.isEmpty()) {
+                return false;
+            }
             served.increment();
-            outbox.offerAnswer(new Line(head(onceId), body));
+            outbox.offerAnswer(new Line(head(onceId), body.get()));
             once = false;
         }
         if (frame >= notBefore && isEveryDue(frame)) {
+            Optional<byte[]> body = bodies.of(everyRelations);
+            if (body.isEmpty()) {
+                return false;
+            }
             served.increment();
-            outbox.offerLatest(new Line(head(everyId), body));
+            outbox.offerLatest(new Line(head(everyId), body.get()));
             everyFrom = frame + every;
         }
+        return true;
     }
 
     private boolean isOnceDue(long frame) {

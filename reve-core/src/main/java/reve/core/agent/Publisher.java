@@ -1,6 +1,7 @@
 package reve.core.agent;
 
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.List;
 import java.util.Optional;
 import java.util.Queue;
@@ -149,13 +150,12 @@ final class Publisher {
 
     private void serve(WorldSnapshot snapshot) {
         long frame = snapshot.frame();
-        if (members.stream().anyMatch(member -> member.perceptions().isDue(frame))) {
-            Optional<byte[]> body = encoder.encode(snapshot);
-            if (body.isEmpty()) {
+        var bodies = new HashMap<Boolean, Optional<byte[]>>();
+        PerceptionRequests.Bodies encoded = relations ->
+                bodies.computeIfAbsent(relations, asked -> encoder.encode(snapshot, asked));
+        for (Session member : members) {
+            if (member.perceptions().isDue(frame) && !member.perceptions().serve(frame, encoded)) {
                 return; // overwritten while we read: the next frame is here already
-            }
-            for (Session member : members) {
-                member.perceptions().serve(frame, body.get());
             }
         }
         served = frame;

@@ -126,6 +126,9 @@ class MessagesTest {
                 if (perceive.every() != ClientMessage.Perceive.ONCE) {
                     json.put("every", perceive.every());
                 }
+                if (perceive.relations()) {
+                    json.put("relations", true);
+                }
             }
             case ClientMessage.Act act -> json.put("item", act.item()).put("action", act.action())
                     .set("arguments", JSON.valueToTree(act.arguments()));
