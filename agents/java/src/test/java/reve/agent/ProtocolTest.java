@@ -95,9 +95,8 @@ class ProtocolTest {
                     Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
                     message.optional("resume").map(resume -> new Join.Resume(
                             resume.get("session").stringValue(), resume.get("frame").longValue())), Duration.ZERO));
-            case "perceive" when message.has("relations") -> Protocol.perceiveWithRelations(id);
             case "perceive" -> message.has("every") ? Protocol.perceive(id, message.get("every").intValue())
-                    : Protocol.perceive(id);
+                    : message.has("relations") ? Protocol.perceiveWithRelations(id) : Protocol.perceive(id);
             case "act" -> {
                 var arguments = new LinkedHashMap<String, Object>();
                 message.get("arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
