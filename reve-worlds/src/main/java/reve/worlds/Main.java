@@ -9,6 +9,7 @@ import reve.pe.PhysicsException;
 import reve.worlds.cli.CheckCommand;
 import reve.worlds.cli.DemoCommand;
 import reve.worlds.cli.ExitCode;
+import reve.worlds.cli.ReplayCommand;
 import reve.worlds.cli.RunCommand;
 import reve.worlds.cli.ServeCommand;
 import reve.worlds.cli.SnapshotCommand;
@@ -23,6 +24,7 @@ import reve.worlds.cli.SnapshotCommand;
         subcommands = {
             ServeCommand.class,
             RunCommand.class,
+            ReplayCommand.class,
             SnapshotCommand.class,
             CheckCommand.class,
             DemoCommand.class,
@@ -48,6 +50,7 @@ public final class Main {
     public static int run(String... arguments) {
         CommandLine line = new CommandLine(new Main());
         line.setExecutionExceptionHandler(Main::explain);
+        line.setCaseInsensitiveEnumValuesAllowed(true);
         if (arguments.length == 0) {
             line.usage(System.err);
             return ExitCode.USAGE;

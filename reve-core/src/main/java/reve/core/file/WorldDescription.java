@@ -36,6 +36,12 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
         items = List.copyOf(items);
     }
 
+    /** A world with nothing in it, no laws and no agents. */
+    public static WorldDescription bare(String name, WorldPrototype prototype, Timing timing) {
+        return new WorldDescription(name, "", prototype, timing, List.of(), Map.of(),
+                Optional.empty(), AgentPolicy.none(), List.of(), List.of());
+    }
+
     /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
     public World build(ColumnArena arena) {
         World world = new World(name, prototype, arena);

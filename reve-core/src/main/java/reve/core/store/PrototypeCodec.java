@@ -7,10 +7,12 @@ import java.util.Optional;
 import reve.core.unit.Unit;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.SymbolType;
 import reve.core.world.WorldPrototype;
 import tools.jackson.databind.JsonNode;
 
-/** Prototypes as trees: the standard one's name, and what designers added. */
+/** Prototypes as trees: the standard one's name, and what designers added to it. */
 public final class PrototypeCodec {
 
     private PrototypeCodec() {}
@@ -22,6 +24,9 @@ public final class PrototypeCodec {
         tree.put("name", prototype.name());
         tree.put("added", all.subList(standard, all.size()).stream()
                 .map(PrototypeCodec::tree).toList());
+        tree.put("symbols", prototype.symbols().stream().map(symbol -> Map.of("name",
+                symbol.name(), "type", symbol.type().name(), "unit", symbol.unit().symbol(),
+                "doc", symbol.doc())).toList());
         return tree;
     }
 
@@ -29,7 +34,9 @@ public final class PrototypeCodec {
     public static WorldPrototype read(JsonNode tree) {
         try {
             return WorldPrototype.standard(Trees.text(tree, "name")).extendedBy(
-                    Trees.list(tree, "added").stream().map(PrototypeCodec::property).toList());
+                    Trees.list(tree, "added").stream().map(PrototypeCodec::property).toList())
+                    .withSymbols(Trees.list(tree, "symbols").stream()
+                            .map(PrototypeCodec::symbol).toList());
         } catch (IllegalArgumentException e) {
             throw new CorruptException("no prototype: " + e.getMessage());
         }
@@ -45,6 +52,12 @@ public final class PrototypeCodec {
         property.refersTo().ifPresent(kind -> tree.put("refersTo", kind));
         tree.put("doc", property.doc());
         return tree;
+    }
+
+    private static SymbolDescriptor symbol(JsonNode tree) {
+        return new SymbolDescriptor(Trees.text(tree, "name"),
+                SymbolType.valueOf(Trees.text(tree, "type")),
+                Unit.parse(Trees.text(tree, "unit")), Trees.text(tree, "doc"));
     }
 
     private static PropertyDescriptor property(JsonNode tree) {

@@ -24,6 +24,8 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.Shape;
+import reve.core.world.SymbolDescriptor;
+import reve.core.world.SymbolType;
 import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldChange;
@@ -37,7 +39,8 @@ class WorldCodecTest {
             List.of(new PropertyDescriptor("temperature", "body", ScalarType.F32, 1,
                     Unit.parse("K"), Optional.empty(), "How hot it is."),
                     new PropertyDescriptor("owner", "deed", ScalarType.REF, 2, Unit.ONE,
-                            Optional.of("body"), "Who has it.")));
+                            Optional.of("body"), "Who has it."))).withSymbols(List.of(
+                    new SymbolDescriptor("reach", SymbolType.NUMBER, Unit.parse("km"), "How far.")));
 
     private static final Assets NONE = new Assets(Optional.empty());
 
@@ -112,6 +115,7 @@ class WorldCodecTest {
                 PrototypeCodec.read(Trees.read(Trees.write(PrototypeCodec.write(PROTOTYPE))));
         assertThat(back.name()).isEqualTo(PROTOTYPE.name());
         assertThat(back.properties()).isEqualTo(PROTOTYPE.properties());
+        assertThat(back.symbols()).isEqualTo(PROTOTYPE.symbols());
         assertThat(back.kinds()).isEqualTo(PROTOTYPE.kinds());
     }
 

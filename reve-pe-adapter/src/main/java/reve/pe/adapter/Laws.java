@@ -1,5 +1,6 @@
 package reve.pe.adapter;
 
+import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -27,7 +28,7 @@ public final class Laws {
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
     private final Set<Integer> restored = new HashSet<>();
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
-    private Consumer<LawChange> listener = change -> { };
+    private final List<Consumer<LawChange>> listeners = new ArrayList<>();
     private long version;
 
     Laws(World world, PhysicsEngine engine) {
@@ -56,7 +57,7 @@ public final class Laws {
         LawLibrary added = LawLibrary.of(prepared, parameters);
         loaded.put(id, added);
         version++;
-        listener.accept(new LawChange.Loaded(added));
+        tell(new LawChange.Loaded(added));
         Map<String, Object> fields = fields(library, sha256);
         fields.put("laws", engine.laws().stream().filter(law -> law.libraryId() == id)
             .map(PhysicsLaw::name).collect(Collectors.joining(", ")));
@@ -84,7 +85,7 @@ public final class Laws {
         }
         Map<String, Object> fields = fields(library.name(), library.sha256());
         addCost(fields, libraryId);
-        listener.accept(new LawChange.Unloaded(drop(libraryId)));
+        tell(new LawChange.Unloaded(drop(libraryId)));
         world.raise(new WorldEvent(frame, "law-unloaded", fields));
     }
 
@@ -120,9 +121,18 @@ public final class Laws {
             .map(Map.Entry::getKey).filter(restored::contains).toList();
     }
 
-    /** Hears of every change from now on, in place of who did before. */
-    public void setListener(Consumer<LawChange> newListener) {
-        listener = newListener;
+    /** Tells a listener of every change from now on. */
+    public void addListener(Consumer<LawChange> listener) {
+        listeners.add(listener);
+    }
+
+    /** Tells it no more. */
+    public void removeListener(Consumer<LawChange> listener) {
+        listeners.remove(listener);
+    }
+
+    private void tell(LawChange change) {
+        listeners.forEach(listener -> listener.accept(change));
     }
 
     /**
@@ -198,7 +208,7 @@ public final class Laws {
         Quarantined reason = new Quarantined(library.sha256(), library.name(), frame,
             failure.status(), String.valueOf(failure.getMessage()));
         quarantined.put(library.sha256(), reason);
-        listener.accept(new LawChange.Failed(drop(failure.libraryId()), reason));
+        tell(new LawChange.Failed(drop(failure.libraryId()), reason));
         fields.put("law", failure.law());
         fields.put("property", failure.property());
         failure.row().ifPresent(row -> fields.put("row", row));

@@ -97,7 +97,7 @@ class PhysicsImageNativeTest {
         List<LawChange> changes = new ArrayList<>();
         try (AdapterFixture first = AdapterFixture.springOrbit();
              AdapterFixture second = AdapterFixture.springOrbit()) {
-            first.adapter.laws().setListener(changes::add);
+            first.adapter.laws().addListener(changes::add);
             int wind = first.adapter.laws().load(0, "wind", Map.of());
             first.adapter.laws().load(0, "writes_nan", Map.of("from_step", 0.0));
             first.run(1);

@@ -1,6 +1,7 @@
 package reve.worlds.cli;
 
 import java.io.PrintWriter;
+import java.io.IOException;
 import java.nio.file.Path;
 import java.util.Map;
 import java.util.Optional;
@@ -13,6 +14,8 @@ import picocli.CommandLine.Spec;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.RunLog;
 import reve.worlds.server.RunReport;
 import reve.worlds.server.Simulation;
 
@@ -43,6 +46,10 @@ public final class RunCommand implements Callable<Integer> {
             description = "Write the world as it is at the end to a world file.")
     private Optional<Path> save = Optional.empty();
 
+    @Option(names = "--record", paramLabel = "FILE",
+            description = "Record the run, for ./reve replay.")
+    private Optional<Path> record = Optional.empty();
+
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
@@ -57,7 +64,7 @@ public final class RunCommand implements Callable<Integer> {
         try (Simulation simulation = new Simulation(description, pacing);
                 Interrupt _ = new Interrupt(simulation.loop()::stop)) {
             simulation.physics().setLedger(ledger);
-            RunReport report = run(simulation, frames);
+            RunReport report = recorded(simulation, frames, pacing);
             if (save.isPresent()) {
                 WorldFile.save(save.get(), simulation.descriptionNow());
             }
@@ -88,6 +95,18 @@ public final class RunCommand implements Callable<Integer> {
             new LedgerReport(simulation.physics().ledger()).print(out);
         }
         out.flush();
+    }
+
+    private RunReport recorded(Simulation simulation, long frames, Pacing pacing)
+            throws IOException {
+        if (record.isEmpty()) {
+            return run(simulation, frames);
+        }
+        try (Journal _ = simulation.journal(world.folder(), Map.of(),
+                new Journal.Plan(0, pacing == Pacing.FAST), RunLog.create(record.get()),
+                problem -> spec.commandLine().getErr().println("reve: recording: " + problem))) {
+            return run(simulation, frames);
+        }
     }
 
     private static RunReport run(Simulation simulation, long frames) {

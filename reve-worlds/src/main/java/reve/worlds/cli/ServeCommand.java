@@ -15,6 +15,8 @@ import picocli.CommandLine.Spec;
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
+import reve.worlds.journal.SqliteStore;
+import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.ServerReport;
 import reve.worlds.server.WorldServer;
@@ -52,6 +54,22 @@ public final class ServeCommand implements Callable<Integer> {
             description = "World times to take pictures at [s], for example 0,2.5,5.")
     private List<Double> snapshotAt = new ArrayList<>();
 
+    @Option(names = "--store", paramLabel = "FILE",
+            description = "Keep the world in this file, and go on with what it holds.")
+    private Optional<Path> store = Optional.empty();
+
+    @Option(names = "--store-every", paramLabel = "S", defaultValue = "10",
+            description = "World time between whole images in the store [s] (default: ${DEFAULT-VALUE}).")
+    private double storeEvery;
+
+    @Option(names = "--durability", paramLabel = "KIND", defaultValue = "normal",
+            description = "What the store survives: normal, the end of the process; full, of power too.")
+    private SqliteStore.Durability durability = SqliteStore.Durability.NORMAL;
+
+    @Option(names = "--record", paramLabel = "FILE",
+            description = "Record the run, for ./reve replay.")
+    private Optional<Path> record = Optional.empty();
+
     @Option(names = "--fast", description = "As fast as it goes, instead of paced to the wall clock.")
     private boolean fast;
 
@@ -73,7 +91,7 @@ public final class ServeCommand implements Callable<Integer> {
         Pictures pictures = new Pictures(snapshots, pictureFrames);
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json)) {
             WorldServer server = new WorldServer(description, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                    AgentServerConfig.onPort(port), laws, pictures, events);
+                    AgentServerConfig.onPort(port), laws, persistence(), pictures, events);
             try (Interrupt _ = new Interrupt(server::stop)) {
                 ServerReport report;
                 try (server) {
@@ -84,6 +102,14 @@ public final class ServeCommand implements Callable<Integer> {
             }
         }
         return ExitCode.OK;
+    }
+
+    private Persistence persistence() {
+        if (!(storeEvery > 0)) {
+            throw new ParameterException(spec.commandLine(),
+                    "--store-every is " + storeEvery + ", expected a time above 0 s");
+        }
+        return new Persistence(world.folder(), record, store, storeEvery, durability);
     }
 
     private void requirePort() {

@@ -21,6 +21,12 @@ final class WorldArgument {
         return Files.isDirectory(path) ? path.resolve("world.yaml") : path;
     }
 
+    /** Where the file is, with what it uses. */
+    Path folder() {
+        Path parent = file().toAbsolutePath().getParent();
+        return parent == null ? Path.of("/") : parent;
+    }
+
     /** Reads and checks the file. */
     WorldDescription load() throws IOException, WorldFileException {
         Path file = file();

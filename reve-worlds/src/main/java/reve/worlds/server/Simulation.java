@@ -1,9 +1,12 @@
 package reve.worlds.server;
 
+import java.nio.file.Path;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
+import java.util.function.Consumer;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 import reve.core.derive.DerivedColumns;
@@ -28,6 +31,10 @@ import reve.pe.adapter.SharedArena;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
 import reve.worlds.Product;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.SimulationImage;
+import reve.worlds.journal.WorldHeader;
 
 /**
  * A world with everything that moves it: commands, laws, derived properties, snapshots. The thread
@@ -196,7 +203,7 @@ public final class Simulation implements AutoCloseable {
         }
         SimulationImage image = new SimulationImage(world, kept::remove);
         kept.add(image);
-        image.copyFrom(this, loop.frame());
+        image.copyFrom(world, physics, loop.frame());
         return image;
     }
 
@@ -217,6 +224,20 @@ public final class Simulation implements AutoCloseable {
      */
     public Simulation fork(SimulationImage image) {
         return new Simulation(description, Pacing.FAST, image);
+    }
+
+    /**
+     * Keeps a journal from the next frame that is published on. World's thread, between frames,
+     * after everybody else has subscribed to ACT; the caller closes it before the simulation.
+     *
+     * @param folder of the world file
+     * @param members ids of the bodies of agents that are in the world, by agent
+     */
+    public Journal journal(Path folder, Map<String, Long> members, Journal.Plan plan,
+            JournalSink sink, Consumer<String> problems) {
+        WorldHeader header = new WorldHeader(description.name(), description.prototype(),
+                description.timing(), folder);
+        return new Journal(header, world, physics, bus, members, plan, sink, problems);
     }
 
     private void restore(SimulationImage image) {

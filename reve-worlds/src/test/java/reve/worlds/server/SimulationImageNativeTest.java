@@ -16,6 +16,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldSnapshot;
+import reve.worlds.journal.SimulationImage;
 
 /** Going back and running ahead, with contacts that laws remember. */
 class SimulationImageNativeTest {

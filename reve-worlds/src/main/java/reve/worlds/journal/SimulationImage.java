@@ -1,9 +1,10 @@
-package reve.worlds.server;
+package reve.worlds.journal;
 
 import java.util.List;
 import java.util.function.Consumer;
 import reve.core.world.World;
 import reve.core.world.WorldImage;
+import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PhysicsImage;
 
 /**
@@ -20,18 +21,24 @@ public final class SimulationImage implements AutoCloseable {
         this(like, image -> { });
     }
 
-    SimulationImage(World like, Consumer<SimulationImage> whenClosed) {
+    /** @param whenClosed told when the image is closed */
+    public SimulationImage(World like, Consumer<SimulationImage> whenClosed) {
         this.world = new WorldImage(like);
         this.whenClosed = whenClosed;
     }
 
     /**
-     * Copies a simulation of the same prototype at the end of a frame. Its world's thread, between
-     * frames or in PUBLISH.
+     * Copies a world of the same prototype and its physics at the end of a frame. World's thread,
+     * between frames or in PUBLISH.
      */
-    public void copyFrom(Simulation simulation, long frame) {
-        world.copyFrom(simulation.world(), frame);
-        physics = simulation.physics().save();
+    public void copyFrom(World from, PhysicsAdapter itsPhysics, long frame) {
+        world.copyFrom(from, frame);
+        physics = itsPhysics.save();
+    }
+
+    /** For whoever fills the image of the world from elsewhere. */
+    void setPhysics(PhysicsImage newPhysics) {
+        physics = newPhysics;
     }
 
     /** The frame at whose end everything was like this. */

@@ -1,0 +1,75 @@
+package reve.worlds.cli;
+
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.Callable;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.Parameters;
+import picocli.CommandLine.Spec;
+import reve.core.frame.Pacing;
+import reve.worlds.journal.RunLog;
+import reve.worlds.server.Replay;
+import reve.worlds.server.Simulation;
+
+/** Runs a recording again and says whether it is the same, to the bit. */
+@Command(
+        name = "replay",
+        description = "Runs a recording again, and says whether every bit is the same or what differs first.")
+public final class ReplayCommand implements Callable<Integer> {
+    @Spec
+    private CommandSpec spec = CommandSpec.create();
+
+    @Parameters(paramLabel = "FILE", description = "What --record wrote.")
+    private Path file = Path.of("");
+
+    @Option(names = "--until", paramLabel = "FRAME", defaultValue = "9223372036854775807",
+            description = "Stop when this frame is made (default: at the end).")
+    private long until;
+
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws Exception {
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+                RunLog.Reader records = RunLog.open(file)) {
+            while (records.hasNext() && replay.take(records.next(), until)) {
+                // each record is made as it is read
+            }
+            boolean same = replay.divergence().isEmpty();
+            try (Simulation simulation = replay.release()) {
+                report(replay, simulation, records.wasCut());
+            }
+            return same ? ExitCode.OK : ExitCode.FAILURE;
+        }
+    }
+
+    private void report(Replay replay, Simulation simulation, boolean cut) throws IOException {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("identical", replay.divergence().isEmpty());
+        fields.put("frames", replay.frames());
+        fields.put("frame", simulation.loop().frame());
+        fields.put("stateHash",
+                String.format(Locale.ROOT, "%016x", simulation.physics().stateHash()));
+        fields.put("cut", cut);
+        replay.divergence().ifPresent(found -> fields.put("difference", found.fields()));
+        if (json) {
+            Json.print(spec, fields);
+            return;
+        }
+        var out = spec.commandLine().getOut();
+        if (cut) {
+            out.println("the recording ends in the middle of a record, as after a crash");
+        }
+        out.println(replay.divergence().map(found -> "different: " + found.message())
+                .orElse("identical: " + replay.frames() + " frames"));
+        out.println("state hash: " + fields.get("stateHash"));
+        out.flush();
+    }
+}

@@ -1,0 +1,143 @@
+package reve.worlds.journal;
+
+import java.nio.ByteBuffer;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.Base64;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.function.Function;
+import org.jspecify.annotations.Nullable;
+import reve.core.store.ChangeCodec;
+import reve.core.store.CorruptException;
+import reve.core.store.Trees;
+import reve.core.world.WorldEvent;
+import reve.pe.adapter.LawChange;
+import tools.jackson.databind.JsonNode;
+
+/**
+ * Frames of a journal as lines of JSON: {@code frame}, {@code changes} before PHYSICS and {@code
+ * late} ones after it, changes of the {@code laws}, the {@code events} for whoever reads it, and
+ * digests: {@code before} PHYSICS where there were changes, and the {@code digest} of the frame's end,
+ * each the part that is not as in the one before it. One thread; frames in their order.
+ */
+public final class FrameCodec {
+    private static final int PART_BYTES = Short.BYTES + 2 * Long.BYTES;
+
+    private final ChangeCodec changes;
+    private final long[] digest;
+
+    /** @param digestSize how many numbers a digest has */
+    public FrameCodec(WorldHeader header, int digestSize) {
+        changes = new ChangeCodec(header.prototype(), header.assets());
+        digest = new long[digestSize];
+    }
+
+    /** Reads the changes of a frame. */
+    public ChangeCodec changes() {
+        return changes;
+    }
+
+    /** An image was written or read: the next frame has the whole digest. */
+    public void begin() {
+        Arrays.fill(digest, 0);
+    }
+
+    /** @throws IllegalArgumentException if a change of it has no form */
+    byte[] write(Entry entry) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("frame", entry.frame);
+        if (!entry.early.isEmpty()) {
+            tree.put("changes", entry.early.stream().map(this::tree).toList());
+            tree.put("before", delta(entry.earlyDigest));
+        }
+        putIfAny(tree, "laws", entry.laws.stream().map(FrameCodec::tree).toList());
+        putIfAny(tree, "late", entry.late.stream().map(this::tree).toList());
+        putIfAny(tree, "events", entry.events.stream().map(FrameCodec::tree).toList());
+        tree.put("digest", delta(entry.digest));
+        return Trees.write(tree);
+    }
+
+    /**
+     * A whole digest of a frame that was read; valid until the next one.
+     *
+     * @param name {@code before}, which some frames have, then {@code digest}
+     */
+    public long[] readDigest(JsonNode frame, String name) {
+        ByteBuffer parts = ByteBuffer.wrap(Base64.getDecoder().decode(Trees.text(frame, name)));
+        while (parts.remaining() >= PART_BYTES) {
+            int part = 2 * parts.getShort();
+            if (part < 0 || part + 1 >= digest.length) {
+                throw new CorruptException("frame " + frame.get("frame")
+                        + " has a digest of another prototype");
+            }
+            digest[part] = parts.getLong();
+            digest[part + 1] = parts.getLong();
+        }
+        return digest;
+    }
+
+    /** Changes of the laws of a frame. */
+    public static List<LawChange> laws(JsonNode frame, Function<String, byte @Nullable []> libraries) {
+        List<LawChange> laws = new ArrayList<>();
+        frame.path("laws").forEach(change -> laws.add(switch (Trees.text(change, "law")) {
+            case "loaded" -> new LawChange.Loaded(ImageCodec.library(change, libraries));
+            case "unloaded" -> new LawChange.Unloaded((int) Trees.integer(change, "place"));
+            default -> new LawChange.Failed((int) Trees.integer(change, "place"),
+                    ImageCodec.quarantined(change));
+        }));
+        return laws;
+    }
+
+    private Map<String, Object> tree(Entry.Noted noted) {
+        return changes.write(noted.change(), noted.columnRows());
+    }
+
+    private static Map<String, Object> tree(LawChange change) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        switch (change) {
+            case LawChange.Loaded added -> {
+                tree.put("law", "loaded");
+                tree.putAll(ImageCodec.tree(added.library()));
+            }
+            case LawChange.Unloaded gone -> {
+                tree.put("law", "unloaded");
+                tree.put("place", gone.place());
+            }
+            case LawChange.Failed failed -> {
+                tree.put("law", "failed");
+                tree.put("place", failed.place());
+                tree.putAll(ImageCodec.tree(failed.reason()));
+            }
+        }
+        return tree;
+    }
+
+    private static Map<String, Object> tree(WorldEvent event) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("type", event.type());
+        tree.put("fields", event.fields());
+        return tree;
+    }
+
+    private static void putIfAny(Map<String, Object> tree, String key, List<?> list) {
+        if (!list.isEmpty()) {
+            tree.put(key, list);
+        }
+    }
+
+    /** Parts that changed since the last frame: their place (2 bytes) and both numbers. */
+    private String delta(long[] now) {
+        ByteBuffer parts = ByteBuffer.allocate(PART_BYTES * now.length / 2);
+        for (int i = 0; i < now.length; i += 2) {
+            if (now[i] != digest[i] || now[i + 1] != digest[i + 1]) {
+                parts.putShort((short) (i / 2)).putLong(now[i]).putLong(now[i + 1]);
+                digest[i] = now[i];
+                digest[i + 1] = now[i + 1];
+            }
+        }
+        return Base64.getEncoder()
+                .encodeToString(Arrays.copyOf(parts.array(), parts.position()));
+    }
+}

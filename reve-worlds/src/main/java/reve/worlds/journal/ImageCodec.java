@@ -1,0 +1,156 @@
+package reve.worlds.journal;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.function.Function;
+import org.jspecify.annotations.Nullable;
+import reve.core.store.CorruptException;
+import reve.core.store.Sections;
+import reve.core.store.Trees;
+import reve.core.store.WorldImageCodec;
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
+import reve.pe.Status;
+import reve.pe.adapter.LawLibrary;
+import reve.pe.adapter.PhysicsImage;
+import reve.pe.adapter.Quarantined;
+import reve.worlds.Product;
+import tools.jackson.core.JacksonException;
+import tools.jackson.databind.JsonNode;
+
+/**
+ * Images of simulations as bytes. Law libraries are named by their SHA-256 and kept elsewhere. One
+ * thread.
+ */
+public final class ImageCodec {
+    private static final String HEADER = "header";
+    private static final String ENGINE = "engine";
+
+    private final WorldHeader header;
+    private final WorldImageCodec worlds;
+
+    public ImageCodec(WorldHeader header) {
+        this.header = header;
+        this.worlds = new WorldImageCodec(header.prototype(), header.assets());
+    }
+
+    /**
+     * An image that was read and not looked into further.
+     *
+     * @param members ids of the agents' bodies by agent
+     */
+    public record Stored(WorldHeader header, Map<String, Long> members, JsonNode tree,
+                         Map<String, byte[]> sections) {}
+
+    /**
+     * @param members ids of the agents' bodies by agent
+     * @throws IllegalArgumentException if an item of the world has no form in a world file
+     */
+    public byte[] write(SimulationImage image, Map<String, Long> members) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("product", Product.VERSION);
+        tree.putAll(header.tree());
+        tree.put("members", members);
+        tree.put("libraries", image.physics().libraries().stream().map(ImageCodec::tree).toList());
+        tree.put("quarantined",
+                image.physics().quarantined().stream().map(ImageCodec::tree).toList());
+        Map<String, byte[]> sections = new LinkedHashMap<>();
+        sections.put(HEADER, Trees.write(tree));
+        sections.put(ENGINE, image.physics().engineState());
+        sections.putAll(worlds.write(image.world()));
+        return Sections.write(sections);
+    }
+
+    /** @throws CorruptException saying what is wrong, if the bytes are not what was written */
+    public static Stored open(byte[] bytes) {
+        Map<String, byte[]> sections = Sections.read(bytes);
+        byte[] head = sections.get(HEADER);
+        if (head == null) {
+            throw new CorruptException("it has no header");
+        }
+        try {
+            JsonNode tree = Trees.read(head);
+            Map<String, Long> members = new LinkedHashMap<>();
+            Trees.field(tree, "members").properties()
+                    .forEach(member -> members.put(member.getKey(), member.getValue().asLong()));
+            return new Stored(WorldHeader.read(tree), members, tree, sections);
+        } catch (IllegalArgumentException | JacksonException e) {
+            throw new CorruptException("its header makes no sense: " + e.getMessage());
+        }
+    }
+
+    /**
+     * A whole image; the caller closes it.
+     *
+     * @param libraries bytes of a law library by SHA-256, null if they are not there
+     * @throws CorruptException if it contradicts itself or lacks a library
+     */
+    public SimulationImage read(Stored stored, Function<String, byte @Nullable []> libraries) {
+        SimulationImage image;
+        try (OffHeapArena arena = new OffHeapArena()) {
+            image = new SimulationImage(new World(header.name(), header.prototype(), arena));
+        }
+        try {
+            worlds.read(stored.sections(), image.world());
+            image.setPhysics(physics(stored, libraries));
+            return image;
+        } catch (RuntimeException e) {
+            image.close();
+            throw e;
+        }
+    }
+
+    private static PhysicsImage physics(Stored stored,
+            Function<String, byte @Nullable []> libraries) {
+        List<LawLibrary> loaded = new ArrayList<>();
+        Trees.field(stored.tree(), "libraries")
+                .forEach(library -> loaded.add(library(library, libraries)));
+        List<Quarantined> out = new ArrayList<>();
+        Trees.field(stored.tree(), "quarantined").forEach(tree -> out.add(quarantined(tree)));
+        byte[] engine = stored.sections().get(ENGINE);
+        if (engine == null) {
+            throw new CorruptException("the section engine is missing");
+        }
+        return new PhysicsImage(loaded, out, engine);
+    }
+
+    static Map<String, Object> tree(LawLibrary library) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("library", library.name());
+        tree.put("sha256", library.sha256());
+        tree.put("parameters", library.parameters());
+        return tree;
+    }
+
+    static LawLibrary library(JsonNode tree, Function<String, byte @Nullable []> libraries) {
+        String name = Trees.text(tree, "library");
+        String sha256 = Trees.text(tree, "sha256");
+        byte[] bytes = libraries.apply(sha256);
+        if (bytes == null) {
+            throw new CorruptException("the law library " + name + " (" + sha256 + ") is missing");
+        }
+        Map<String, Double> parameters = new LinkedHashMap<>();
+        Trees.field(tree, "parameters").properties()
+                .forEach(parameter -> parameters.put(parameter.getKey(),
+                        parameter.getValue().asDouble()));
+        return new LawLibrary(name, sha256, parameters, bytes);
+    }
+
+    static Map<String, Object> tree(Quarantined reason) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("sha256", reason.sha256());
+        tree.put("library", reason.library());
+        tree.put("frame", reason.frame());
+        tree.put("status", reason.status().name());
+        tree.put("message", reason.message());
+        return tree;
+    }
+
+    static Quarantined quarantined(JsonNode tree) {
+        return new Quarantined(Trees.text(tree, "sha256"), Trees.text(tree, "library"),
+                Trees.integer(tree, "frame"), Status.valueOf(Trees.text(tree, "status")),
+                Trees.text(tree, "message"));
+    }
+}

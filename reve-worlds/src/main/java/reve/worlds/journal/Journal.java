@@ -1,0 +1,216 @@
+package reve.worlds.journal;
+
+import java.lang.foreign.ValueLayout;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
+import java.util.concurrent.locks.LockSupport;
+import java.util.function.Consumer;
+import org.jspecify.annotations.Nullable;
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameEvent;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Subscription;
+import reve.core.store.WorldDigest;
+import reve.core.world.World;
+import reve.core.world.WorldChange;
+import reve.core.world.WorldEvent;
+import reve.pe.adapter.LawChange;
+import reve.pe.adapter.PhysicsAdapter;
+
+/**
+ * Keeps a journal of a running world: an image first, and again every so many frames; in between,
+ * whatever changed the world other than laws, and a digest of each frame. The world's thread copies
+ * and sums up; a thread of the journal's own writes. If writing fails the world goes on, and the
+ * journal with the next image. Made and closed by the world's thread, between frames.
+ */
+public final class Journal implements AutoCloseable {
+    private static final int FRAMES_WAITING = 2048;
+    private static final int IMAGES_WAITING = 2;
+    private static final long PATIENCE_NANOSECONDS = 1_000_000;
+
+    private final World world;
+    private final PhysicsAdapter physics;
+    private final Plan plan;
+    private final WorldDigest digest;
+    private final long[] earlyDigest;
+    private final EntryRing ring;
+    private final Queue<SimulationImage> rooms = new ConcurrentLinkedQueue<>();
+    private final List<Subscription> subscriptions = new ArrayList<>();
+    private final Consumer<LawChange> lawListener;
+    private final JournalWriter writer;
+    private final List<Entry.Noted> early = new ArrayList<>();
+    private final List<LawChange> laws = new ArrayList<>();
+    private Map<String, Long> members;
+    private int earlyCount;
+    private long lastImage = -1;
+    private long lastFrame;
+    private boolean imageWanted = true;
+
+    /**
+     * @param imageFrames an image is written every so many frames; 0 for the first one only
+     * @param waits whether the world waits for a slow disk, as when nothing paces it; else the
+     *     journal goes on with the next image
+     */
+    public record Plan(long imageFrames, boolean waits) {}
+
+    /**
+     * Begins with an image of the next frame that is published.
+     *
+     * @param members ids of the bodies of agents that are in the world, by agent
+     * @param sink closed by the journal
+     * @param problems told, on the journal's thread, what went wrong
+     */
+    public Journal(WorldHeader header, World world, PhysicsAdapter physics, FrameBus bus,
+            Map<String, Long> members, Plan plan, JournalSink sink, Consumer<String> problems) {
+        this.world = world;
+        this.physics = physics;
+        this.plan = plan;
+        this.members = members;
+        digest = new WorldDigest(world);
+        earlyDigest = new long[digest.size()];
+        ring = new EntryRing(FRAMES_WAITING, digest.size());
+        for (int i = 0; i < IMAGES_WAITING; i++) {
+            rooms.add(new SimulationImage(world));
+        }
+        writer = new JournalWriter(header, digest.size(), ring, rooms, sink, problems);
+        lawListener = laws::add;
+        physics.laws().addListener(lawListener);
+        subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
+        subscriptions.add(bus.subscribe(FramePhase.PUBLISH, "journal", this::handOver));
+        writer.start();
+    }
+
+    /** Writes an image of the world as it is now, waits until all is written, and ends. */
+    @Override
+    public void close() {
+        if (subscriptions.isEmpty()) {
+            return;
+        }
+        subscriptions.forEach(Subscription::close);
+        subscriptions.clear();
+        physics.laws().removeListener(lawListener);
+        if (plan.imageFrames > 0 && lastImage >= 0 && lastFrame > lastImage) {
+            Entry entry = waitForEntry();
+            entry.frame = lastFrame;
+            entry.members = members;
+            entry.begins = true;
+            entry.image = copy(lastFrame, true);
+            ring.commit();
+        }
+        writer.end();
+        rooms.forEach(SimulationImage::close);
+    }
+
+    /** The last listener of ACT: what comes later is not seen by this frame's laws. */
+    private void noteEarlyChanges(FrameEvent frame) {
+        List<WorldChange> changes = world.changes();
+        earlyCount = changes.size();
+        for (int i = 0; i < earlyCount; i++) {
+            early.add(noted(changes.get(i)));
+        }
+        if (earlyCount > 0) {
+            digest.compute(earlyDigest); // laws would spread at once what an input did to one item
+        }
+    }
+
+    private void handOver(FrameEvent frame) {
+        Entry entry = plan.waits ? waitForEntry() : ring.next();
+        lastFrame = frame.frame();
+        followMembers();
+        if (entry == null) {
+            imageWanted = true; // the frames that are lost are made up for by an image
+        } else {
+            fill(entry, frame.frame());
+            if (entry.begins || !imageWanted) {
+                ring.commit();
+                writer.wake();
+            }
+        }
+        early.clear();
+        laws.clear();
+        earlyCount = 0;
+    }
+
+    private void fill(Entry entry, long frame) {
+        List<WorldChange> changes = world.changes();
+        entry.clear();
+        entry.frame = frame;
+        entry.early.addAll(early);
+        System.arraycopy(earlyDigest, 0, entry.earlyDigest, 0, earlyDigest.length);
+        for (int i = earlyCount; i < changes.size(); i++) {
+            entry.late.add(noted(changes.get(i)));
+        }
+        entry.laws.addAll(laws);
+        entry.events = world.events();
+        entry.members = members;
+        entry.begins = imageWanted || world.changesLost() > 0
+                || changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
+        if (entry.begins || plan.imageFrames > 0 && frame - lastImage >= plan.imageFrames) {
+            entry.image = copy(frame, entry.begins && plan.waits);
+        }
+        if (entry.begins && entry.image == null) {
+            entry.begins = false; // no room: the next frame tries again
+            imageWanted = true;
+        } else if (entry.image != null) {
+            imageWanted = false;
+            lastImage = frame;
+        }
+        digest.compute(entry.digest);
+    }
+
+    /** Null if there is no room and nobody wants to wait for it. */
+    private @Nullable SimulationImage copy(long frame, boolean wait) {
+        SimulationImage room = rooms.poll();
+        while (room == null && wait && writer.isWorking()) {
+            LockSupport.parkNanos(PATIENCE_NANOSECONDS);
+            room = rooms.poll();
+        }
+        if (room != null) {
+            room.copyFrom(world, physics, frame);
+        }
+        return room;
+    }
+
+    private Entry waitForEntry() {
+        Entry entry = ring.next();
+        while (entry == null) {
+            LockSupport.parkNanos(PATIENCE_NANOSECONDS);
+            entry = ring.next();
+        }
+        return entry;
+    }
+
+    private Entry.Noted noted(WorldChange change) {
+        return new Entry.Noted(change, change instanceof WorldChange.ColumnEdited edited
+                ? world.table(edited.kind()).column(edited.property()).segment()
+                        .toArray(ValueLayout.JAVA_BYTE) : null);
+    }
+
+    private void followMembers() {
+        List<WorldEvent> events = world.events();
+        for (int i = 0; i < events.size(); i++) {
+            members = after(events.get(i), members, world);
+        }
+    }
+
+    /** Who is in the world after an event, and with which body. */
+    static Map<String, Long> after(WorldEvent event, Map<String, Long> members, World world) {
+        boolean joined = event.type().equals("joined");
+        if (!joined && !event.type().equals("left")) {
+            return members;
+        }
+        Map<String, Long> changed = new LinkedHashMap<>(members);
+        String agent = (String) event.fields().get("agent");
+        if (joined) {
+            world.find((String) event.fields().get("body"))
+                    .ifPresent(body -> changed.put(agent, body.id().value()));
+        } else {
+            changed.remove(agent);
+        }
+        return changed;
+    }
+}

@@ -1,0 +1,17 @@
+package reve.worlds.server;
+
+import java.nio.file.Path;
+import java.util.Optional;
+import reve.worlds.journal.SqliteStore;
+
+/**
+ * What is kept of a world while it runs.
+ *
+ * @param folder of the world file
+ * @param recording file to record the run in
+ * @param store file that the world lives in
+ * @param imageSeconds an image goes to the store every so much world time [s]
+ * @param durability of the store
+ */
+public record Persistence(Path folder, Optional<Path> recording, Optional<Path> store,
+                          double imageSeconds, SqliteStore.Durability durability) {}

@@ -1,0 +1,342 @@
+package reve.worlds.server;
+
+import java.nio.charset.StandardCharsets;
+import java.security.MessageDigest;
+import java.security.NoSuchAlgorithmException;
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.HexFormat;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Objects;
+import java.util.Optional;
+import java.util.function.Consumer;
+import org.jspecify.annotations.Nullable;
+import reve.core.file.WorldDescription;
+import reve.core.frame.FrameEvent;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Pacing;
+import reve.core.frame.Subscription;
+import reve.core.store.CorruptException;
+import reve.core.store.Trees;
+import reve.core.store.WorldDigest;
+import reve.core.world.ItemId;
+import reve.pe.PhysicsException;
+import reve.pe.adapter.LawChange;
+import reve.worlds.journal.FrameCodec;
+import reve.worlds.journal.ImageCodec;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.SimulationImage;
+import reve.worlds.journal.WorldHeader;
+import tools.jackson.databind.JsonNode;
+
+/**
+ * Makes the frames of a journal again: from its image, with what came in then, comparing the digest
+ * of each frame. One thread, which owns the world.
+ */
+public final class Replay implements AutoCloseable {
+    private final Optional<WorldDescription> wanted;
+    private final Pacing pacing;
+    private final Map<String, byte[]> libraries = new HashMap<>();
+    private final List<Subscription> subscriptions = new ArrayList<>();
+    private final List<LawChange> lawChanges = new ArrayList<>();
+    private final Consumer<LawChange> lawListener = lawChanges::add;
+    private @Nullable Simulation simulation;
+    private @Nullable ImageCodec images;
+    private @Nullable FrameCodec codec;
+    private @Nullable WorldDigest digest;
+    private Map<String, Long> members = Map.of();
+    private @Nullable JsonNode inputs;
+    private @Nullable RuntimeException failure;
+    private @Nullable Divergence divergence;
+    private long frames;
+
+    /**
+     * Where a replay is first another run than the recorded one.
+     *
+     * @param item name of the only item that differs, empty if several do
+     * @param property that differs, or {@link WorldDigest#ROWS}, or "laws"
+     * @param message one line that says it all
+     */
+    public record Divergence(long frame, String kind, Optional<String> item, String property,
+                             String message) {
+        /** For JSON, in order. */
+        public Map<String, Object> fields() {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("frame", frame);
+            fields.put("kind", kind);
+            item.ifPresent(name -> fields.put("item", name));
+            fields.put("property", property);
+            fields.put("message", message);
+            return fields;
+        }
+    }
+
+    /**
+     * @param description of the world, to go on with it later; without, what the journal says
+     */
+    public Replay(Optional<WorldDescription> description, Pacing pacing) {
+        this.wanted = description;
+        this.pacing = pacing;
+    }
+
+    /**
+     * Takes the next record of a journal.
+     *
+     * @return false from the first difference on
+     * @throws CorruptException if the record has no meaning, or the journal does not begin with an
+     *     image
+     * @throws PhysicsException if a law library does not load
+     */
+    public boolean take(JournalRecord record) {
+        return take(record, Long.MAX_VALUE);
+    }
+
+    /** As the other one, but makes no frame after {@code until}; false also when that is made. */
+    public boolean take(JournalRecord record, long until) {
+        switch (record) {
+            case JournalRecord.Library library -> keep(library);
+            case JournalRecord.Image image -> begin(image);
+            case JournalRecord.Frames group -> {
+                String lines = new String(group.lines(), StandardCharsets.UTF_8);
+                for (String line : lines.split("\n")) {
+                    if (isGoing(until)) {
+                        make(Trees.read(line.getBytes(StandardCharsets.UTF_8)));
+                    }
+                }
+            }
+        }
+        return isGoing(until);
+    }
+
+    private boolean isGoing(long until) {
+        return divergence == null && (simulation == null || simulation.loop().frame() < until);
+    }
+
+    /** How many frames were made. */
+    public long frames() {
+        return frames;
+    }
+
+    /** The first difference, empty as long as all is the same. */
+    public Optional<Divergence> divergence() {
+        return Optional.ofNullable(divergence);
+    }
+
+    /** Ids of the bodies of the agents that are in the world now, by agent. */
+    public Map<String, Long> members() {
+        return members;
+    }
+
+    /**
+     * Ends the replay and hands its simulation over, to go on from here; the caller closes it.
+     *
+     * @throws CorruptException if there was no image
+     */
+    public Simulation release() {
+        if (simulation == null) {
+            throw new CorruptException("the journal holds no image to begin with");
+        }
+        Simulation released = simulation;
+        subscriptions.forEach(Subscription::close);
+        released.physics().laws().removeListener(lawListener);
+        simulation = null;
+        return released;
+    }
+
+    @Override
+    public void close() {
+        if (simulation != null) {
+            simulation.close();
+            simulation = null;
+        }
+    }
+
+    private void keep(JournalRecord.Library library) {
+        if (!sha256(library.bytes()).equals(library.sha256())) {
+            throw new CorruptException("the law library " + library.sha256() + " is damaged");
+        }
+        libraries.put(library.sha256(), library.bytes());
+    }
+
+    private void begin(JournalRecord.Image record) {
+        ImageCodec.Stored stored = ImageCodec.open(record.bytes());
+        if (images == null) {
+            images = new ImageCodec(stored.header());
+        }
+        try (SimulationImage image = images.read(stored, libraries::get)) {
+            if (simulation == null) {
+                begin(stored.header(), image);
+            } else {
+                simulation.rewind(image);
+            }
+        }
+        members = stored.members();
+        if (codec != null) {
+            codec.begin();
+        }
+    }
+
+    private void begin(WorldHeader header, SimulationImage image) {
+        WorldDescription description = wanted.orElseGet(() -> description(header));
+        requireSame(header, description);
+        Simulation made = new Simulation(description, pacing, image);
+        simulation = made;
+        digest = new WorldDigest(made.world());
+        codec = new FrameCodec(header, digest.size());
+        made.physics().laws().addListener(lawListener);
+        subscriptions.add(made.bus().subscribe(FramePhase.ACT, "replay", this::comeIn));
+        subscriptions.add(made.bus().subscribe(FramePhase.PUBLISH, "replay", this::comeLate));
+    }
+
+    /** A world that has nothing but what the image brings. */
+    private static WorldDescription description(WorldHeader header) {
+        return WorldDescription.bare(header.name(), header.prototype(), header.timing());
+    }
+
+    private static void requireSame(WorldHeader header, WorldDescription description) {
+        requireSame("is called", header.name(), description.name());
+        requireSame("has the timing", header.timing(), description.timing());
+        requireSame("has the prototype", header.prototype().name(),
+                description.prototype().name());
+        requireSame("has the properties", header.prototype().properties(),
+                description.prototype().properties());
+    }
+
+    private static void requireSame(String what, Object stored, Object wanted) {
+        if (!stored.equals(wanted)) {
+            throw new CorruptException("the stored world " + what + " " + stored
+                    + ", the world file's " + wanted + ": use the file that it was stored with");
+        }
+    }
+
+    private void make(JsonNode frame) {
+        Simulation made = simulation;
+        if (made == null || codec == null || digest == null) {
+            throw new CorruptException("the journal does not begin with an image");
+        }
+        long number = Trees.integer(frame, "frame");
+        if (number != made.loop().frame() + 1) {
+            throw new CorruptException("frame " + number + " follows frame "
+                    + made.loop().frame() + ": records are missing");
+        }
+        inputs = frame;
+        made.loop().step();
+        inputs = null;
+        frames++;
+        if (failure != null) {
+            throw failure;
+        }
+        followMembers(frame);
+        compareLaws(frame);
+        compare(frame, "digest");
+    }
+
+    /** Keeps the first difference. */
+    private void compare(JsonNode frame, String name) {
+        if (codec != null && digest != null) {
+            long[] recorded = codec.readDigest(frame, name);
+            if (divergence == null) {
+                digest.firstDifference(recorded).ifPresent(found -> divergence =
+                        divergence(Trees.integer(frame, "frame"), found));
+            }
+        }
+    }
+
+    /** Last in ACT, as the inputs were noted then. */
+    private void comeIn(FrameEvent event) {
+        apply(event, () -> {
+            apply("changes");
+            if (input().has("before")) {
+                compare(input(), "before");
+            }
+            for (LawChange change : FrameCodec.laws(input(), libraries::get)) {
+                made().physics().laws().apply(event.frame(), change);
+            }
+            lawChanges.clear();
+        });
+    }
+
+    private void comeLate(FrameEvent event) {
+        apply(event, () -> apply("late"));
+    }
+
+    private void apply(FrameEvent event, Runnable step) {
+        if (inputs != null) {
+            try {
+                step.run();
+            } catch (RuntimeException e) {
+                failure = e;
+            }
+        }
+    }
+
+    private void apply(String list) {
+        if (codec != null) {
+            for (JsonNode change : input().path(list)) {
+                codec.changes().apply(made().world(), change);
+            }
+        }
+    }
+
+    private JsonNode input() {
+        return Objects.requireNonNull(inputs);
+    }
+
+    private Simulation made() {
+        return Objects.requireNonNull(simulation);
+    }
+
+    /** A law that failed here did so there too, and was taken out before. */
+    private void compareLaws(JsonNode frame) {
+        for (LawChange change : lawChanges) {
+            if (change instanceof LawChange.Failed failed) {
+                long number = Trees.integer(frame, "frame");
+                divergence = new Divergence(number, "law", Optional.empty(), "laws",
+                        "frame " + number + ": law library " + failed.reason().library()
+                                + " failed, which it did not in the recording: "
+                                + failed.reason().message());
+            }
+        }
+    }
+
+    private void followMembers(JsonNode frame) {
+        for (JsonNode event : frame.path("events")) {
+            String type = Trees.text(event, "type");
+            JsonNode fields = Trees.field(event, "fields");
+            if (type.equals("joined") || type.equals("left")) {
+                Map<String, Long> changed = new LinkedHashMap<>(members);
+                String agent = Trees.text(fields, "agent");
+                changed.remove(agent);
+                if (type.equals("joined")) {
+                    made().world().find(Trees.text(fields, "body"))
+                            .ifPresent(body -> changed.put(agent, body.id().value()));
+                }
+                members = changed;
+            }
+        }
+    }
+
+    private Divergence divergence(long frame, WorldDigest.Difference found) {
+        Optional<String> item = found.item().map(this::name);
+        String what = found.property().equals(WorldDigest.ROWS)
+                ? "the items of kind " + found.kind() + " differ"
+                : item.orElse("several items of kind " + found.kind()) + ": " + found.property()
+                        + " differs";
+        return new Divergence(frame, found.kind(), item, found.property(),
+                "frame " + frame + ": " + what);
+    }
+
+    private String name(ItemId id) {
+        return made().world().item(id).name();
+    }
+
+    private static String sha256(byte[] bytes) {
+        try {
+            return HexFormat.of().formatHex(MessageDigest.getInstance("SHA-256").digest(bytes));
+        } catch (NoSuchAlgorithmException e) {
+            throw new AssertionError("every Java platform has SHA-256", e);
+        }
+    }
+}

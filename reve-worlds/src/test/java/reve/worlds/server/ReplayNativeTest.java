@@ -1,0 +1,271 @@
+package reve.worlds.server;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.store.CorruptException;
+import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.RunLog;
+import reve.worlds.journal.SimulationImage;
+
+/** A run that is interfered with in every way, recorded and made again. */
+class ReplayNativeTest {
+    private static final Path WORLD =
+            Path.of(System.getProperty("reve.root"), "worlds", "icosahedron", "world.yaml");
+    private static final long SEED = 20261121;
+    private static final int FRAMES = 120;
+
+    @TempDir
+    private Path folder;
+    private WorldDescription description;
+    private Path log;
+
+    @BeforeEach
+    void read() throws Exception {
+        description = WorldFile.load(WORLD);
+        log = folder.resolve("run.log");
+    }
+
+    @Test
+    void aRunIsMadeAgainToTheBit() throws IOException {
+        long hash = record(FRAMES, this::interfere);
+        try (Replay replay = replay(log)) {
+            assertThat(replay.divergence()).isEmpty();
+            assertThat(replay.frames()).isEqualTo(FRAMES);
+            try (Simulation again = replay.release()) {
+                assertThat(again.physics().stateHash()).isEqualTo(hash);
+                assertThat(again.physics().laws().loaded().stream().map(law -> law.name()))
+                        .doesNotContain("drag");
+            }
+        }
+    }
+
+    @Test
+    void goingBackInTheRecordedRunIsFollowed() throws IOException {
+        long hash;
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                Journal _ = journal(simulation)) {
+            simulation.loop().run(20);
+            SimulationImage image = simulation.keep();
+            simulation.loop().run(20);
+            simulation.rewind(image);
+            simulation.world().find("c3").orElseThrow().physics().set("velocity", 0, 5, 0);
+            simulation.loop().run(30);
+            hash = simulation.physics().stateHash();
+        }
+        try (Replay replay = replay(log); Simulation again = replay.release()) {
+            assertThat(replay.divergence()).isEmpty();
+            assertThat(again.loop().frame()).isEqualTo(50);
+            assertThat(again.physics().stateHash()).isEqualTo(hash);
+        }
+    }
+
+    @Test
+    void oneFlippedInputIsCaughtByFrameItemAndProperty() throws IOException {
+        record(60, (simulation, frame) -> {
+            if (frame == 40) {
+                simulation.world().find("c7").orElseThrow().physics().set("velocity", 0, 2.5, 0);
+            }
+        });
+        Path forged = folder.resolve("forged.log");
+        forge(forged, "[0.0,2.5,0.0]", "[0.0,2.500000001,0.0]");
+        try (Replay replay = replay(forged)) {
+            Replay.Divergence found = replay.divergence().orElseThrow();
+            assertThat(found.frame()).isEqualTo(41);
+            assertThat(found.item()).contains("c7");
+            assertThat(found.property()).isEqualTo("velocity");
+            assertThat(found.message()).isEqualTo("frame 41: c7: velocity differs");
+        }
+    }
+
+    @Test
+    void anotherResultOfTheLawsIsCaught() throws IOException {
+        record(60, (simulation, frame) -> { });
+        Path forged = folder.resolve("forged.log");
+        forge(forged, "\"frame\":30,\"digest\":\"AA", "\"frame\":30,\"digest\":\"AB");
+        try (Replay replay = replay(forged)) {
+            assertThat(replay.divergence().orElseThrow().frame()).isEqualTo(30);
+        }
+    }
+
+    @Test
+    void anInputThatIsMissingIsCaught() throws IOException {
+        record(60, (simulation, frame) -> {
+            if (frame == 30) {
+                simulation.world().add(ItemDefinition.named("late").physics("mass", 1).build());
+            }
+        });
+        Path forged = folder.resolve("forged.log");
+        forge(forged, "\"changes\":", "\"unknown\":");
+        try (Replay replay = replay(forged)) {
+            assertThat(replay.divergence().orElseThrow().message())
+                    .isEqualTo("frame 31: the items of kind body differ");
+        }
+    }
+
+    @Test
+    void aRecordingThatIsCutEndsBeforeAndADamagedOneIsRefused() throws IOException {
+        record(60, (simulation, frame) -> { });
+        byte[] whole = Files.readAllBytes(log);
+        Random random = new Random(SEED);
+        for (int i = 0; i < 40; i++) {
+            int length = whole.length - 1 - random.nextInt(2000);
+            Files.write(log, Arrays.copyOf(whole, length));
+            try (RunLog.Reader records = RunLog.open(log)) {
+                records.forEachRemaining(record -> { });
+                assertThat(records.wasCut()).as("%d of %d bytes", length, whole.length).isTrue();
+            }
+            byte[] flipped = whole.clone();
+            int bit = random.nextInt(8 * whole.length);
+            flipped[bit / 8] ^= (byte) (1 << bit % 8);
+            Files.write(log, flipped);
+            assertThat(found(bit)).as("bit %d", bit).isTrue();
+        }
+    }
+
+    /** A flipped length may make a record reach past the end, which looks like a cut. */
+    private boolean found(int bit) throws IOException {
+        try (RunLog.Reader records = RunLog.open(log)) {
+            records.forEachRemaining(record -> { });
+            return records.wasCut();
+        } catch (CorruptException damaged) {
+            return damaged.getMessage().contains(log.toString());
+        }
+    }
+
+    @Test
+    void aSinkThatFailsCostsTheJournalUpToTheNextImageAndNothingElse() throws Exception {
+        List<JournalRecord> kept = new ArrayList<>();
+        List<String> problems = new ArrayList<>();
+        try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
+            try (Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                    new Journal.Plan(20, true), failing(kept, 8), problems::add)) {
+                simulation.loop().run(100);
+            }
+            assertThat(simulation.loop().frame()).isEqualTo(100);
+            assertThat(problems).isNotEmpty().first().asString().contains("disk full");
+        }
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
+            kept.forEach(record -> assertThat(replay.take(record)).isTrue());
+            assertThat(replay.release().loop().frame()).isEqualTo(100);
+        }
+    }
+
+    /** Fails at the n-th record, once. */
+    private static JournalSink failing(List<JournalRecord> kept, int at) {
+        return new JournalSink() {
+            private int records;
+
+            @Override
+            public void write(JournalRecord record) throws IOException {
+                if (++records == at) {
+                    throw new IOException("disk full");
+                }
+                kept.add(record);
+            }
+
+            @Override
+            public void close() {
+                // nothing is open
+            }
+        };
+    }
+
+    private interface Interference {
+        void before(Simulation simulation, int frame);
+    }
+
+    private long record(int frames, Interference interference) throws IOException {
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                Journal _ = journal(simulation)) {
+            simulation.loop().run(0);
+            for (int frame = 0; frame < frames; frame++) {
+                interference.before(simulation, frame);
+                simulation.loop().step();
+            }
+            return simulation.physics().stateHash();
+        }
+    }
+
+    private Journal journal(Simulation simulation) throws IOException {
+        return simulation.journal(WORLD.getParent(), Map.of(), new Journal.Plan(0, true),
+                RunLog.create(log), problem -> {
+                    throw new AssertionError(problem);
+                });
+    }
+
+    private static Replay replay(Path file) throws IOException {
+        Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+        try (RunLog.Reader records = RunLog.open(file)) {
+            while (records.hasNext() && replay.take(records.next())) {
+                // each record is made as it is read
+            }
+        }
+        return replay;
+    }
+
+    /** Pushes, adds, removes, attaches, renames, and loads and unloads a law, at random. */
+    private void interfere(Simulation simulation, int frame) {
+        Random random = new Random(SEED + frame);
+        var world = simulation.world();
+        Item corner = world.find("c" + random.nextInt(12)).orElseThrow();
+        switch (frame % 10) {
+            case 0 -> corner.physics().set("velocity", random.nextGaussian(), 1, 0);
+            case 1 -> world.add(ItemDefinition.named("ball " + frame).shape(Shape.sphere(0.2))
+                    .at(0, 3, 0).symbol("colour of mood", "blue")
+                    .physics("mass", random.nextDouble()).build());
+            case 3 -> world.add(ItemDefinition.named("flag " + frame).at(1, 2, 3).build());
+            case 4 -> world.find("flag " + (frame - 1)).ifPresent(
+                    flag -> world.attach(flag.id(), corner.id()));
+            case 5 -> world.find("ball " + (frame - 14)).ifPresent(
+                    ball -> world.remove(ball.id()));
+            case 6 -> world.find("ball " + (frame - 5)).ifPresent(
+                    ball -> world.rename(ball.id(), "old ball " + frame));
+            case 7 -> world.table("body").column("dragCoefficient")
+                    .setDouble(random.nextInt(10), 0, 0.25);
+            default -> { }
+        }
+        var laws = simulation.physics().laws();
+        if (frame == 40) {
+            laws.load(frame, "drag", Map.of());
+        }
+        if (frame == 80) {
+            laws.unload(frame, laws.loaded().getLast().libraryId());
+        }
+    }
+
+    /** Copies the recording with one text of its inputs exchanged, and right checksums. */
+    private void forge(Path to, String text, String other) throws IOException {
+        try (RunLog.Reader records = RunLog.open(log); JournalSink sink = RunLog.create(to)) {
+            while (records.hasNext()) {
+                JournalRecord record = records.next();
+                sink.write(record instanceof JournalRecord.Frames frames
+                        ? new JournalRecord.Frames(frames.first(), frames.last(),
+                                new String(frames.lines(), StandardCharsets.UTF_8)
+                                        .replace(text, other).getBytes(StandardCharsets.UTF_8))
+                        : record);
+            }
+        }
+    }
+}
