@@ -14,7 +14,6 @@ public final class Item {
 
     static final int REMOVED = -1;
 
-    private final World world;
     private final Table table;
     private ItemSymbols symbols;
 
@@ -28,8 +27,7 @@ public final class Item {
     @Nullable Item parent;
     @Nullable TreeSet<Item> children;
 
-    Item(World world, Table table, ItemSymbols symbols) {
-        this.world = world;
+    Item(Table table, ItemSymbols symbols) {
         this.table = table;
         this.symbols = symbols;
     }
@@ -110,7 +108,7 @@ public final class Item {
     }
 
     World world() {
-        return world;
+        return table.world();
     }
 
     Table table() {
@@ -127,9 +125,9 @@ public final class Item {
 
     /** The current row, after checking thread and life. */
     int checkedRow() {
-        world.checkOwner();
+        world().checkOwner();
         if (row == REMOVED) {
-            throw new IllegalStateException(this + " was removed from world " + world.name());
+            throw new IllegalStateException(this + " was removed from world " + world().name());
         }
         return row;
     }

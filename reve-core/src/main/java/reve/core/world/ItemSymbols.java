@@ -26,6 +26,8 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
 
     private static final ItemId NOBODY = new ItemId(1);
 
+    private static final PMap<String, Object> NO_SYMBOLS = TreePMap.empty();
+
     static final String NAME = "name";
     static final String CLASS = "class";
     static final String DIMENSIONS = "dimensions";
@@ -39,7 +41,7 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     /** What is symbolic in a definition; attached to nothing, whatever it says. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition.name(), definition.kind(), definition.shape(),
-                definition.material(), given(definition.symbols()), TreePMap.empty(),
+                definition.material(), given(definition.symbols()), NO_SYMBOLS,
                 definition.actions(), definition.capabilities(), null);
     }
 
@@ -131,6 +133,6 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     }
 
     private static PMap<String, Object> given(Map<String, Object> symbols) {
-        return symbols.isEmpty() ? TreePMap.empty() : TreePMap.from(symbols);
+        return symbols.isEmpty() ? NO_SYMBOLS : TreePMap.from(symbols);
     }
 }

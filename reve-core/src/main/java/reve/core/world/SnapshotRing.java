@@ -8,13 +8,17 @@ import org.jspecify.annotations.Nullable;
 /**
  * A fixed number of slots that hold the last published frames of a world for any number of readers.
  * Neither side ever waits: a frame goes into the oldest slot that nobody reads, or, if all are
- * being read, into the oldest one, whose readers thereby lose it.
+ * being read, into the oldest one, whose readers thereby lose it. A slot takes memory when it is
+ * first needed, and slots share the columns that did not change from frame to frame.
  */
 public final class SnapshotRing {
 
     private final World world;
     /** All slots but the latest, oldest first. */
     private final List<SnapshotSlot> older;
+    private final SnapshotSlot.Memory memory;
+    private final int slots;
+    private int used;
     private volatile @Nullable SnapshotSlot latest;
 
     /** @param slots at least 2: one to read, one to write */
@@ -24,10 +28,9 @@ public final class SnapshotRing {
                     "snapshot ring of " + slots + " slots, expected 2 or more");
         }
         this.world = world;
+        this.slots = slots;
         this.older = new ArrayList<>(slots);
-        for (int i = 0; i < slots; i++) {
-            older.add(new SnapshotSlot(world));
-        }
+        this.memory = new SnapshotSlot.Memory(world);
     }
 
     /**
@@ -39,9 +42,9 @@ public final class SnapshotRing {
      */
     public void publish(long frame, double timeSeconds) {
         SnapshotSlot slot = oldestFreeSlot();
-        slot.write(world, frame, timeSeconds);
-        older.remove(slot);
         SnapshotSlot previous = latest;
+        slot.write(world, frame, timeSeconds, previous);
+        older.remove(slot);
         latest = slot;
         if (previous != null) {
             older.add(previous);
@@ -65,12 +68,17 @@ public final class SnapshotRing {
         }
     }
 
-    /** The oldest slot if all are being read. */
+    /** A new slot while there may be more, the oldest one if all are being read. */
     private SnapshotSlot oldestFreeSlot() {
         for (int i = 0; i < older.size(); i++) {
             if (older.get(i).isFree()) {
                 return older.get(i);
             }
+        }
+        if (used < slots) {
+            used++;
+            older.add(new SnapshotSlot(world, memory));
+            return older.getLast();
         }
         return older.getFirst();
     }

@@ -1,13 +1,12 @@
 package reve.core.world;
 
-import java.lang.foreign.Arena;
-import java.lang.foreign.MemorySegment;
 import java.lang.invoke.VarHandle;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
+import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
 
@@ -17,9 +16,18 @@ import org.pcollections.TreePMap;
  */
 final class SnapshotSlot {
 
-    private static final long ALIGNMENT_BYTES = 64;
+    /** What the slots of one ring share. */
+    static final class Memory {
+        private final List<List<ColumnBuffers>> columns;
+        private final Zeros zeros = new Zeros();
 
-    private final List<TableCopy> tables;
+        Memory(World world) {
+            columns = world.tables().stream().map(table -> table.allColumns().stream()
+                    .map(column -> new ColumnBuffers()).toList()).toList();
+        }
+    }
+
+    private final List<SlotTable> tables = new ArrayList<>();
     private final AtomicInteger readers = new AtomicInteger();
     private final AtomicLong stamp = new AtomicLong();
     private long frame;
@@ -27,10 +35,13 @@ final class SnapshotSlot {
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private List<WorldEvent> events = List.of();
 
-    SnapshotSlot(World world) {
-        tables = world.tables().stream()
-                .map(table -> new TableCopy(table, SnapshotSlot::allocate)).toList();
+    /** @param memory of all slots of the ring */
+    SnapshotSlot(World world, Memory memory) {
+        for (int i = 0; i < memory.columns.size(); i++) {
+            tables.add(new SlotTable(world.tables().get(i), memory.columns.get(i), memory.zeros));
+        }
     }
+
 
     boolean isFree() {
         return readers.get() == 0;
@@ -39,8 +50,10 @@ final class SnapshotSlot {
     /**
      * Overwrites the slot, readers or not. World's thread. If it throws, nobody can acquire the
      * slot until it is written again.
+     *
+     * @param before the slot of the last frame, whose columns are shared where they did not change
      */
-    void write(World world, long newFrame, double newTimeSeconds) {
+    void write(World world, long newFrame, double newTimeSeconds, @Nullable SnapshotSlot before) {
         long writing = stamp.getPlain() | 1;
         stamp.setRelease(writing);
         VarHandle.storeStoreFence();
@@ -49,7 +62,8 @@ final class SnapshotSlot {
         symbols = world.symbols();
         events = world.events();
         for (int i = 0; i < tables.size(); i++) {
-            tables.get(i).copyFrom(world.tables().get(i));
+            tables.get(i).copyFrom(world.tables().get(i),
+                    before == null ? null : before.tables.get(i));
         }
         stamp.setRelease(writing + 1);
     }
@@ -59,7 +73,7 @@ final class SnapshotSlot {
         readers.incrementAndGet();
         long before = stamp.getAcquire();
         var views = new ArrayList<TableSnapshot>(tables.size());
-        for (TableCopy table : tables) {
+        for (SlotTable table : tables) {
             views.add(table.view());
         }
         var snapshot =
@@ -78,10 +92,5 @@ final class SnapshotSlot {
 
     void release() {
         readers.decrementAndGet();
-    }
-
-    /** Collected with the last snapshot that reads it: a reader may still hold the old one. */
-    private static MemorySegment allocate(long bytes) {
-        return Arena.ofAuto().allocate(bytes, ALIGNMENT_BYTES);
     }
 }

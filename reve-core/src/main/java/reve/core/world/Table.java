@@ -99,6 +99,10 @@ public final class Table implements TableView {
         return ids;
     }
 
+    World world() {
+        return world;
+    }
+
     Column physicsColumn(String name) {
         return required(physicsByName, "physics property", name);
     }

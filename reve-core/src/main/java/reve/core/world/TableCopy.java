@@ -1,15 +1,11 @@
 package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
-import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 import java.util.function.LongFunction;
 
-/**
- * A copy of the rows of one table, column by column: in a slot of a {@link SnapshotRing}, written
- * by the world's thread and read by everybody, or in a {@link WorldImage}.
- */
+/** A copy of the rows of one table, column by column, in a {@link WorldImage}. */
 public final class TableCopy {
 
     private final String kind;
@@ -84,23 +80,6 @@ public final class TableCopy {
             makeRoom(i, bytes, source.byteSize());
             MemorySegment.copy(source, 0, memories[i], 0, bytes);
         }
-    }
-
-    /**
-     * A view of the copy as it is now. If the copy is changing meanwhile the view is nonsense,
-     * though safe to make and to read; the slot's stamp tells.
-     */
-    TableSnapshot view() {
-        int rows = rowCount;
-        List<ColumnSnapshot> columns = new ArrayList<>(memories.length);
-        for (int i = 0; i < memories.length; i++) {
-            PropertyDescriptor property = properties.get(i);
-            MemorySegment memory = memories[i];
-            long fitting = memory.byteSize() / property.rowBytes();
-            columns.add(new ColumnSnapshot(property, memory, (int) Math.min(rows, fitting)));
-        }
-        return new TableSnapshot(kind, rows, physicsRowCount, columns.getFirst(),
-                columns.subList(1, columns.size()));
     }
 
     private long bytes(int column, int rows) {

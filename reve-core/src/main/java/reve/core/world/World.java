@@ -605,7 +605,7 @@ public final class World {
     private Item revive(ItemSymbols itemSymbols) {
         Item item = items.get(itemSymbols.id());
         if (item == null || !item.kind().equals(itemSymbols.kind())) {
-            item = new Item(this, table(itemSymbols.kind()), itemSymbols);
+            item = new Item(table(itemSymbols.kind()), itemSymbols);
         }
         item.setSymbols(itemSymbols);
         return item;
@@ -639,7 +639,7 @@ public final class World {
     private Item insert(ItemDefinition definition, boolean physics) {
         Table table = table(definition.kind());
         var itemSymbols = new ItemSymbols(new ItemId(++lastId), definition);
-        Item item = new Item(this, table, itemSymbols);
+        Item item = new Item(table, itemSymbols);
         table.insert(item, physics);
         setSymbols(item, itemSymbols);
         items.put(item.id(), item);

@@ -7,12 +7,15 @@ import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Random;
 import java.util.Map;
 import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
 import java.util.concurrent.atomic.AtomicBoolean;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
 
 class SnapshotRingTest {
 
@@ -81,6 +84,86 @@ class SnapshotRingTest {
     }
 
     @Test
+    void framesShareTheColumnsThatDidNotChange() {
+        ball("red").physics().set("mass", 5);
+        var ring = new SnapshotRing(world, 3);
+        ring.publish(1, 0);
+        WorldSnapshot first = ring.acquireLatest().orElseThrow();
+        world.find("red").orElseThrow().physics().set("mass", 6);
+        ring.publish(2, 0);
+        WorldSnapshot second = ring.acquireLatest().orElseThrow();
+        assertThat(address(second, "position")).isEqualTo(address(first, "position"));
+        assertThat(address(second, "torque")).as("zeros").isEqualTo(address(second, "charge"));
+        assertThat(address(second, "mass")).isNotEqualTo(address(first, "mass"));
+        assertThat(first.table("body").column("mass").getDouble(0, 0)).isEqualTo(5);
+        first.close();
+        second.close();
+    }
+
+    private static long address(WorldSnapshot snapshot, String property) {
+        return snapshot.table("body").column(property).segment().address();
+    }
+
+    /** Whatever is shared: a snapshot that is not lost is as its frame was. */
+    @ParameterizedTest
+    @ValueSource(longs = {61, 0})
+    void heldSnapshotsStayAsTheyWere(long givenSeed) {
+        long seed = givenSeed != 0 ? givenSeed : System.nanoTime();
+        System.out.println("SnapshotRingTest seed " + seed);
+        Random random = new Random(seed);
+        var ring = new SnapshotRing(world, 4);
+        List<WorldSnapshot> held = new ArrayList<>();
+        List<String> then = new ArrayList<>();
+        for (int i = 0; i < 20; i++) {
+            ball("first" + i);
+        }
+        for (int frame = 1; frame < 500; frame++) {
+            Item item = world.items().get(1 + random.nextInt(20));
+            switch (random.nextInt(5)) {
+                case 0 -> item.physics().set("mass", random.nextInt(3));
+                case 1 -> item.physics().set("charge", random.nextInt(2));
+                case 2 -> item.physical().setLocation(random.nextInt(2), 0, 0);
+                case 3 -> {
+                    world.remove(item.id());
+                    ball("ball" + frame);
+                }
+                default -> { }
+            }
+            ring.publish(frame, 0);
+            WorldSnapshot latest = ring.acquireLatest().orElseThrow();
+            held.add(latest);
+            then.add(text(latest));
+            if (random.nextInt(3) > 0) {
+                int gone = random.nextInt(held.size());
+                held.remove(gone).close();
+                then.remove(gone);
+            }
+            for (int i = held.size() - 1; i >= 0; i--) {
+                if (held.get(i).lost()) {
+                    held.remove(i).close();
+                    then.remove(i);
+                } else {
+                    assertThat(text(held.get(i))).as("seed %d frame %d", seed, frame)
+                            .isEqualTo(then.get(i));
+                }
+            }
+        }
+        held.forEach(WorldSnapshot::close);
+    }
+
+    private static String text(WorldSnapshot snapshot) {
+        var text = new StringBuilder();
+        TableSnapshot bodies = snapshot.table("body");
+        for (int row = 0; row < bodies.rowCount(); row++) {
+            text.append(bodies.idAt(row));
+            for (String property : List.of("mass", "charge", "position", "orientation")) {
+                text.append(' ').append(bodies.column(property).getDouble(row, 0));
+            }
+        }
+        return text.toString();
+    }
+
+    @Test
     void publishingGoesAroundASlotThatIsBeingRead() {
         var ring = new SnapshotRing(world, 3);
         ring.publish(1, 0);
@@ -146,15 +229,15 @@ class SnapshotRingTest {
     @Test
     void aFrameThatCannotBePublishedCostsNoSlotAndIsSeenByNobody() throws Exception {
         var ring = new SnapshotRing(world, 2);
-        var slot = new SnapshotSlot(world);
+        var slot = new SnapshotSlot(world, new SnapshotSlot.Memory(world));
         ring.publish(1, 0);
         ownedByAnother(() -> {
             assertThatIllegalStateException().isThrownBy(() -> ring.publish(2, 0));
-            assertThatIllegalStateException().isThrownBy(() -> slot.write(world, 2, 0));
+            assertThatIllegalStateException().isThrownBy(() -> slot.write(world, 2, 0, null));
         });
         assertThat(slot.acquire()).as("half a frame").isEmpty();
         assertThat(slot.isFree()).isTrue();
-        slot.write(world, 3, 0);
+        slot.write(world, 3, 0, null);
         try (WorldSnapshot snapshot = slot.acquire().orElseThrow()) {
             assertThat(snapshot.frame()).isEqualTo(3);
             assertThat(snapshot.lost()).isFalse();

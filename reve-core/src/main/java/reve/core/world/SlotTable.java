@@ -1,0 +1,80 @@
+package reve.core.world;
+
+import java.lang.foreign.MemorySegment;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * The rows of one table in one slot of a {@link SnapshotRing}: written by the world's thread, read
+ * by everybody. Columns that are the same as in the slot of the frame before are shared with it,
+ * and those that hold nothing but zeros with each other.
+ */
+final class SlotTable {
+
+    private final String kind;
+    private final List<PropertyDescriptor> properties;
+    private final List<ColumnBuffers> memory;
+    private final ColumnBuffers.Buffer[] buffers;
+    private final Zeros zeros;
+    private int rowCount;
+    private int physicsRowCount;
+
+    /** @param memory for each column, of all slots together */
+    SlotTable(Table table, List<ColumnBuffers> memory, Zeros zeros) {
+        this.kind = table.kind();
+        this.properties = table.allColumns().stream().map(Column::descriptor).toList();
+        this.memory = memory;
+        this.zeros = zeros;
+        this.buffers = new ColumnBuffers.Buffer[properties.size()];
+        Arrays.fill(buffers, ColumnBuffers.NONE);
+    }
+
+    /** Takes the used rows over; allocates only when a column has outgrown its memory. */
+    void copyFrom(Table table, @Nullable SlotTable before) {
+        List<Column> sources = table.allColumns();
+        rowCount = table.rowCount();
+        physicsRowCount = table.physicsRowCount();
+        for (int i = 0; i < buffers.length; i++) {
+            letGo(i);
+            MemorySegment source = sources.get(i).memory();
+            long bytes = (long) rowCount * properties.get(i).rowBytes();
+            if (before != null && before.rowCount == rowCount
+                    && isSame(source, before.buffers[i].memory(), bytes)) {
+                buffers[i] = memory.get(i).share(before.buffers[i]);
+            } else if (isSame(source, zeros.of(bytes).memory(), bytes)) {
+                buffers[i] = memory.get(i).share(zeros.of(bytes));
+            } else {
+                buffers[i] = memory.get(i).take(bytes);
+                MemorySegment.copy(source, 0, buffers[i].memory(), 0, bytes);
+            }
+        }
+    }
+
+    /**
+     * A view of the copy as it is now. If the copy is changing meanwhile the view is nonsense,
+     * though safe to make and to read; the slot's stamp tells.
+     */
+    TableSnapshot view() {
+        int rows = rowCount;
+        List<ColumnSnapshot> columns = new ArrayList<>(buffers.length);
+        for (int i = 0; i < buffers.length; i++) {
+            PropertyDescriptor property = properties.get(i);
+            MemorySegment copy = buffers[i].memory();
+            long fitting = copy.byteSize() / property.rowBytes();
+            columns.add(new ColumnSnapshot(property, copy, (int) Math.min(rows, fitting)));
+        }
+        return new TableSnapshot(kind, rows, physicsRowCount, columns.getFirst(),
+                columns.subList(1, columns.size()));
+    }
+
+    private void letGo(int column) {
+        memory.get(column).release(buffers[column]);
+        buffers[column] = ColumnBuffers.NONE;
+    }
+
+    private static boolean isSame(MemorySegment a, MemorySegment b, long bytes) {
+        return b.byteSize() >= bytes && MemorySegment.mismatch(a, 0, bytes, b, 0, bytes) < 0;
+    }
+}
