@@ -207,10 +207,10 @@ TYPED_TEST(HookeSpringTest, SpringsThatShareABodyAddUp) {
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{11, 20, 0, -11, 0, 0, 0, -20, 0}));
 }
 
-/// A chain of 600 bodies with springs of lengths of their own, given from end to end or shuffled.
+/// A chain of 5000 bodies with springs of lengths of their own, given from end to end or shuffled.
 template <class Real>
 Scene<Real> Chain(bool shuffled) {
-  const uint32_t bodies = 600;
+  const uint32_t bodies = 5000;
   Scene<Real> scene;
   for (uint32_t i = 0; i < bodies; ++i) {
     scene.AddBody(1, {Real(i), Real(i % 7), 0}, {0, Real(i % 5), 0});
@@ -239,7 +239,7 @@ TYPED_TEST(HookeSpringTest, OrderOfTheSpringsOfAChainChangesNoBit) {
 }
 
 TYPED_TEST(HookeSpringTest, BitsDoNotDependOnTheNumberOfThreads) {
-  const auto start = RandomNetwork<TypeParam>(3000, 12);
+  const auto start = RandomNetwork<TypeParam>(9000, 12);
   auto reference = start;
   for (const uint32_t threads : {1u, 2u, 8u}) {
     auto scene = start;

@@ -11,7 +11,7 @@ namespace {
 constexpr uint32_t kNowhere = UINT32_MAX;
 // Bodies of a tile: enough for its springs to be worth a task, and so few that they stay in the
 // second-level cache.
-constexpr uint64_t kFewest = 512, kMost = 8192;
+constexpr uint64_t kFewest = 2048, kMost = 8192;
 // Tiles to aim at: enough for the processors of a desktop.
 constexpr uint64_t kTiles = 8;
 // Bodies from one spring to the next, on average, beyond which memory is worth a new order.
@@ -71,7 +71,7 @@ void SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
 /// Lays out the tiles, with room for their springs.
 void SpringTiles::Cut(std::span<const Ends> endpoints, uint64_t bodies) {
   const uint64_t fewest = std::bit_ceil((bodies + kMost - 1) / kMost);
-  const uint64_t most = std::max(fewest, std::min(kTiles, std::bit_floor(bodies / kFewest + 1)));
+  const uint64_t most = std::max(fewest, std::min(kTiles, std::bit_floor(bodies / kFewest)));
   tile_size_ = std::max<uint64_t>(1, (bodies + most - 1) / most);
   tiles_.clear();
   for (uint64_t first = 0; first < bodies; first += tile_size_) {
