@@ -53,6 +53,11 @@ record Server(Process process, Events events) implements AutoCloseable {
         return new Server(process, new Events(process.inputReader(), errors));
     }
 
+    /** The port that agents find it at. */
+    String port() throws IOException {
+        return events.await("ready", ready -> true).get("agentPort").asString();
+    }
+
     /** Waits for the server to end by itself. */
     int exitCode() throws InterruptedException {
         if (!process.waitFor(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
@@ -63,6 +68,7 @@ record Server(Process process, Events events) implements AutoCloseable {
 
     @Override
     public void close() {
+        process.descendants().forEach(ProcessHandle::destroyForcibly);
         process.destroyForcibly();
         process.onExit().join();
     }
