@@ -1,12 +1,12 @@
 """What benchmarks beside Jolt share: building both sides, and samples taken in turn."""
 
 import json
-import os
-import platform
 import statistics
 import subprocess
 import zipfile
 from pathlib import Path
+
+from pages import cpu
 
 ROOT = Path(__file__).resolve().parent.parent
 OUT = ROOT / "build/bench"
@@ -46,29 +46,29 @@ def build_jolt(program):
 
 
 def sample(commands, rounds):
-    """Runs the commands (by name) in turn; the frames per second of processor time of each."""
+    """Runs the commands (by name) in turn; what each printed, as dictionaries."""
     samples = {name: [] for name in commands}
     for _ in range(rounds):
         for name, command in commands.items():
             out = subprocess.run([str(part) for part in command], check=True, text=True,
                                  stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout
-            samples[name].append(json.loads(out)["framesPerProcessorSecond"])
+            samples[name].append(json.loads(out))
     return samples
 
 
-def table_rows(samples, digits=0):
-    """Median and quartiles of each; the first is the peer that the others are compared with."""
-    peer = statistics.median(next(iter(samples.values())))
+def table_rows(samples, digits=0, largest=None):
+    """Median and quartiles of the frames per second of processor time of each; the first is the peer
+    that the others are compared with. `largest`: a share whose largest of all rounds is shown too."""
+    speeds = {name: [run["framesPerProcessorSecond"] for run in runs]
+              for name, runs in samples.items()}
+    peer = statistics.median(next(iter(speeds.values())))
     rows = ""
-    for name, values in samples.items():
+    for name, values in speeds.items():
         low, middle, high = statistics.quantiles(values, n=4, method="inclusive")
         rows += (f"| {name} | {middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f}) | "
-                 f"{middle / peer:.2f} |\n")
+                 f"{middle / peer:.2f} |")
+        if largest:
+            shares = [run[largest] for run in samples[name] if largest in run]
+            rows += f" {max(shares):.1%} |" if shares else " |"
+        rows += "\n"
     return rows
-
-
-def cpu():
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return f"{line.split(': ')[1]}, {os.cpu_count()} cores visible"
-    return f"{platform.machine()}, {os.cpu_count()} cores visible"
