@@ -79,7 +79,8 @@ class BarnesHutGravitation {
 
   /** Whether the sum over all pairs is faster than the tree; measured. */
   bool FewBodies() const {
-    return static_cast<double>(position_.size()) * theta_.value() <= 2400;
+    constexpr double kFew = std::is_same_v<Real, float> ? 2900 : 1600;
+    return static_cast<double>(position_.size()) * theta_.value() <= kFew;
   }
 
   template <class Parallel>

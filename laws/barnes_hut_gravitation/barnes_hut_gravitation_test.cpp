@@ -274,23 +274,23 @@ TYPED_TEST(BarnesHutGravitationTest, APairOfPointsWithManyBodiesEachIsATwoBodyPr
 TYPED_TEST(BarnesHutGravitationTest, BodiesInAPlaneAndOnALineStayThere) {
   Cloud<TypeParam> plane, line;
   Random random;
-  for (int i = 0; i < 5000; ++i) {
+  for (int i = 0; i < 6000; ++i) {
     plane.AddBody(1, {TypeParam(random.Uniform(0, 1)), TypeParam(random.Uniform(0, 1)), 0});
     line.AddBody(1, {0, TypeParam(random.Uniform(0, 1)), 0});
   }
   plane.Forces(0.5);
   line.Forces(0.5);
-  for (uint64_t i = 0; i < 5000; ++i) {
+  for (uint64_t i = 0; i < 6000; ++i) {
     ASSERT_EQ(plane.Force(i).z, 0);
     ASSERT_EQ(line.Force(i).x, 0);
     ASSERT_EQ(line.Force(i).z, 0);
   }
-  EXPECT_LT(Errors(plane, 37)[67], 1e-3) << "seed " << kSeed;
+  EXPECT_LT(Errors(plane, 37)[81], 1e-3) << "seed " << kSeed;
 }
 
 // All but one body fall into one cell of the grid that the keys are places of.
 TYPED_TEST(BarnesHutGravitationTest, AFarOutlierCostsNoAccuracy) {
-  auto cloud = Plummer<TypeParam>(5000);
+  auto cloud = Plummer<TypeParam>(6000);
   cloud.AddBody(1, {TypeParam(1e9), 0, 0});
   cloud.Forces(0.5);
   const auto errors = Errors(cloud, 37);
@@ -298,7 +298,7 @@ TYPED_TEST(BarnesHutGravitationTest, AFarOutlierCostsNoAccuracy) {
 }
 
 TYPED_TEST(BarnesHutGravitationTest, ThePotentialEnergyIsThatOfThePairs) {
-  auto cloud = Plummer<TypeParam>(5000);
+  auto cloud = Plummer<TypeParam>(6000);
   const std::string library =
       std::string(VESPER_LAW_PATH) + "/libvesper_law_barnes_hut_gravitation.so";
   const LawFile file(library);
@@ -325,7 +325,7 @@ TYPED_TEST(BarnesHutGravitationTest, ThePotentialEnergyIsThatOfThePairs) {
 
 // Relaxation and the scheme are far slower than the time of 6, about one period of the whole.
 TYPED_TEST(BarnesHutGravitationTest, APlummerSphereInEquilibriumKeepsItsEnergyAndMomentum) {
-  auto cloud = Plummer<TypeParam>(4000);
+  auto cloud = Plummer<TypeParam>(4300);
   cloud.softening = {TypeParam(0.05)};
   PhysicsEngine engine = cloud.MakeEngine(0.7, 2);
   engine.LoadPhysicsLaw("velocity_verlet");
