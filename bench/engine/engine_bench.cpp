@@ -55,18 +55,27 @@ struct Quartiles {
   }
 };
 
-/// Reads every value once, as fast as memory gives it: no test can cost less.
+/// Reads every value once, as fast as the cache gives it: no test can cost less.
 [[gnu::noinline, gnu::optimize("O3")]] uint64_t Stream(const std::vector<Column>& columns) {
-  uint64_t bits = 0;
+  using Lanes [[gnu::vector_size(16)]] = uint64_t;
+  const auto read = [](const double* from) {
+    Lanes lanes;
+    std::memcpy(&lanes, from, sizeof lanes);
+    return lanes;
+  };
+  static_assert(kValues % 8 == 0);
+  Lanes a = {}, b = {}, c = {}, d = {};  // they need not wait for each other
   for (const Column& column : columns) {
     const double* values = column.data();
-    for (uint64_t i = 0; i < kValues; ++i) {
-      uint64_t value;
-      std::memcpy(&value, values + i, sizeof value);
-      bits |= value;
+    for (uint64_t i = 0; i < kValues; i += 8) {
+      a |= read(values + i);
+      b |= read(values + i + 2);
+      c |= read(values + i + 4);
+      d |= read(values + i + 6);
     }
   }
-  return bits;
+  const Lanes all = a | b | c | d;
+  return all[0] | all[1];
 }
 
 /// An engine with `laws` empty laws over columns of its own.
