@@ -4,6 +4,7 @@ import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import reve.core.file.LawReference;
 import reve.core.world.Item;
 import reve.core.world.WorldPrototype;
@@ -15,15 +16,18 @@ final class Mechanics {
     private final List<Item> bodies = new ArrayList<>();
     private final List<Item> springs = new ArrayList<>();
     private final double[] gravity;
+    private final double gravitationalConstant;
+    private final double softening;
 
     /**
      * @param position by name
      * @param immovable the positions of what has mass 0, by name
+     * @param kineticEnergy of motion in the world's frame
      * @param energy of motion (in the centre-of-mass frame, unless something holds the world in
-     *     place), springs and uniform gravity
+     *     place), springs, uniform gravity and gravitation
      */
     record State(Map<String, double[]> positions, Map<String, List<Double>> immovable, double[] momentum,
-            double energy) {
+            double kineticEnergy, double energy) {
         double[] position(String item) {
             return positions.get(item);
         }
@@ -41,10 +45,14 @@ final class Mechanics {
                 springs.add(item);
             }
         }
-        boolean falls = simulation.description().laws().stream()
-                .map(LawReference::name).anyMatch("gravity_field"::equals);
         Item world = simulation.world().find(WorldPrototype.WORLD).orElseThrow();
-        gravity = falls ? world.physics().vector("gravity") : new double[3];
+        gravity = has("gravity_field") ? world.physics().vector("gravity") : new double[3];
+        gravitationalConstant = has("newton_gravitation") ? world.physics().scalar("gravitationalConstant") : 0;
+        softening = world.physics().scalar("softening");
+    }
+
+    private boolean has(String law) {
+        return simulation.description().laws().stream().map(LawReference::name).anyMatch(law::equals);
     }
 
     State state() {
@@ -52,7 +60,8 @@ final class Mechanics {
         Map<String, List<Double>> immovable = new HashMap<>();
         double[] momentum = new double[3];
         double mass = 0;
-        double energy = 0;
+        double kineticEnergy = 0;
+        double energy = gravitationalConstant == 0 ? 0 : gravitation();
         for (Item body : bodies) {
             double m = body.physics().scalar("mass");
             double[] x = body.physical().location();
@@ -63,7 +72,8 @@ final class Mechanics {
                 continue;
             }
             mass += m;
-            energy += 0.5 * m * dot(v, v) - m * dot(gravity, x);
+            kineticEnergy += 0.5 * m * dot(v, v);
+            energy -= m * dot(gravity, x);
             for (int axis = 0; axis < 3; axis++) {
                 momentum[axis] += m * v[axis];
             }
@@ -73,10 +83,32 @@ final class Mechanics {
                     - spring.physics().scalar("length");
             energy += 0.5 * spring.physics().scalar("springConstant") * stretch * stretch;
         }
+        energy += kineticEnergy;
         if (immovable.isEmpty()) {
             energy -= 0.5 * dot(momentum, momentum) / mass;
         }
-        return new State(positions, immovable, momentum, energy);
+        return new State(positions, immovable, momentum, kineticEnergy, energy);
+    }
+
+    /** Potential energy of all pairs of bodies [J], softened as Plummer does. */
+    private double gravitation() {
+        double[] mass = bodies.stream().mapToDouble(body -> body.physics().scalar("mass")).toArray();
+        double[][] at = bodies.stream().map(body -> body.physical().location()).toArray(double[][]::new);
+        double energy = 0;
+        for (int i = 0; i < mass.length; i++) {
+            for (int j = 0; j < i; j++) {
+                double[] between = subtract(at[i], at[j]);
+                energy -= gravitationalConstant * mass[i] * mass[j]
+                        / Math.sqrt(dot(between, between) + softening * softening);
+            }
+        }
+        return energy;
+    }
+
+    /** Mean X of the bodies whose symbol {@code class} is the given one [m]. */
+    double meanX(String classSymbol) {
+        return bodies.stream().filter(body -> body.semantic().get("class").equals(Optional.of(classSymbol)))
+                .mapToDouble(body -> body.physical().location()[0]).average().orElseThrow();
     }
 
     private double[] end(Item spring, String reference) {

@@ -1,6 +1,8 @@
 package reve.core.file;
 
 import java.util.Arrays;
+import java.util.HashMap;
+import java.util.Map;
 import java.util.Optional;
 import java.util.function.DoubleUnaryOperator;
 import java.util.regex.Matcher;
@@ -25,6 +27,8 @@ final class Quantities {
     private static final Pattern GAP = Pattern.compile("\\s*,\\s*|\\s+");
 
     private final Problems problems;
+    /** Those that were read, by their texts: many items use the same few. */
+    private final Map<String, Unit> units = new HashMap<>();
 
     Quantities(Problems problems) {
         this.problems = problems;
@@ -133,7 +137,7 @@ final class Quantities {
 
     private Optional<Unit> unit(Node node, String text) {
         try {
-            return Optional.of(Unit.parse(text));
+            return Optional.of(units.computeIfAbsent(text, Unit::parse));
         } catch (IllegalArgumentException notAUnit) {
             return refuse(node, notAUnit.getMessage());
         }

@@ -1,6 +1,5 @@
 package reve.core.world;
 
-import java.nio.charset.StandardCharsets;
 import java.util.regex.Pattern;
 
 /** The one place that decides what a name may be. */
@@ -49,7 +48,15 @@ final class Names {
 
     /** Whether a text can be written as UTF-8: it holds no half of a surrogate pair. */
     static boolean isUnicode(String text) {
-        return StandardCharsets.UTF_8.newEncoder().canEncode(text);
+        for (int i = 0; i < text.length(); i++) {
+            if (Character.isSurrogate(text.charAt(i))) {
+                if (!Character.isSupplementaryCodePoint(text.codePointAt(i))) {
+                    return false;
+                }
+                i++;
+            }
+        }
+        return true;
     }
 
     /** A name that laws look up: properties, kinds. Short enough for the C side's 48 bytes. */
