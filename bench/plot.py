@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws bench/results/speed.png from the tables in bench/results: how many times as fast as the peer
-a row is. Needs Matplotlib (Debian: python3-matplotlib)."""
+"""Draws bench/results/speed.png from the tables in bench/results: how many times as fast as the
+peer a row is. Needs Matplotlib (Debian: python3-matplotlib)."""
 import matplotlib
 
 import pages
@@ -11,7 +11,8 @@ import matplotlib.pyplot as plt
 # Page, what it is compared with, column of the ratio, columns that name a row, rows that are drawn.
 TABLES = [
     ("all_pairs.md", "{side}", "law's ratio", ["bodies", ""], lambda row: row["law's ratio"]),
-    ("barnes_hut.md", "pytreegrav", "ratio", ["bodies", "law", "its median error"], lambda row: True),
+    ("barnes_hut.md", "pytreegrav", "ratio", ["bodies", "law", "its median error"],
+     lambda row: True),
     ("springs.md", "a loop tuned for AVX-512", "ratio of processor time", ["springs", ""],
      lambda row: True),
     ("opencl.md", "the usual OpenCL kernel", "ratio", ["bodies"],
@@ -30,7 +31,8 @@ def main():
             row = dict(zip(heading, cells))
             if not drawn(row):
                 continue
-            name = ", ".join(row[name] for name in names)
+            name = ", ".join(f"{int(row[name]):,}" if row[name].isdigit() else row[name]
+                             for name in names).replace("Vesper, ", "")
             labels.append(f"{file[:-3].replace('_', ' ')}: {name}\n"
                           f"next to {peer.format(side=row.get('side'))}")
             ratios.append(float(row[column]))
@@ -42,6 +44,7 @@ def main():
     axes.set_xscale("log")
     axes.set_xlim(0.5, 2 * max(ratios))
     axes.set_xticks([0.5, 1, 2, 5, 10, 20], ["0.5", "1", "2", "5", "10", "20"])
+    axes.margins(y=0.01)
     axes.invert_yaxis()
     axes.set_xlabel("times as fast as the peer")
     figure.savefig(pages.RESULTS / "speed.png", dpi=90)
