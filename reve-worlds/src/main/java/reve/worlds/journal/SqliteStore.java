@@ -76,6 +76,7 @@ public final class SqliteStore implements JournalSink {
             } else {
                 check(statement);
             }
+            statement.executeUpdate("PRAGMA user_version = " + VERSION); // locks the file
             connection.setAutoCommit(false);
         } catch (SQLException e) {
             closeAfter(e);
@@ -149,7 +150,6 @@ public final class SqliteStore implements JournalSink {
 
     private void create(Statement statement) throws SQLException {
         statement.executeUpdate("PRAGMA application_id = " + APPLICATION_ID);
-        statement.executeUpdate("PRAGMA user_version = " + VERSION);
         for (String table : SCHEMA.split(";")) {
             statement.executeUpdate(table);
         }
