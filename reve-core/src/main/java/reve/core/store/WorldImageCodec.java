@@ -12,6 +12,7 @@ import org.pcollections.PMap;
 import org.pcollections.TreePMap;
 import reve.core.mesh.Assets;
 import reve.core.world.Attachment;
+import reve.core.world.Forces;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
@@ -83,22 +84,38 @@ public final class WorldImageCodec {
             readTable(tables.get(i), sections, into.tables().get(i));
         }
         into.setSymbolic(Trees.integer(world, "frame"), Trees.integer(world, "lastId"), items);
+        into.setForces(Trees.list(world, "forces").stream().map(WorldImageCodec::force).toList());
     }
 
     private static Map<String, Object> world(WorldImage image) {
         Map<String, Object> world = new LinkedHashMap<>();
         world.put("frame", image.frame());
         world.put("lastId", image.lastId());
+        world.put("forces", image.forces().stream().map(force -> List.of(
+                force.item().value(), force.newtons(), force.frames())).toList());
         world.put("byteOrder", ByteOrder.nativeOrder().toString());
         world.put("tables", image.tables().stream().map(table -> Map.of("kind", table.kind(),
                 "rows", table.rowCount(), "physicsRows", table.physicsRowCount())).toList());
         return world;
     }
 
-    /** Texts, and for each item its id, name, text and symbols, and parent and pose if it has one. */
+    private static Forces.Force force(JsonNode tree) {
+        double[] newtons = Trees.numbers(tree.path(1));
+        if (newtons.length != 3) {
+            throw new CorruptException("a force has " + newtons.length + " components");
+        }
+        return new Forces.Force(new ItemId(Trees.integer(tree.path(0))),
+                List.of(newtons[0], newtons[1], newtons[2]), Trees.integer(tree.path(2)));
+    }
+
+    /**
+     * Texts; for each item its id, name, text and symbols, and parent and pose if it has one; and the
+     * symbols of rules of those that have any.
+     */
     private Map<String, Object> items(PMap<ItemId, ItemSymbols> symbols) {
         Map<String, Integer> places = new LinkedHashMap<>();
         List<List<Object>> items = new ArrayList<>();
+        List<List<Object>> derived = new ArrayList<>();
         for (ItemSymbols item : symbols.values()) {
             String text = texts.write(item);
             int place = places.computeIfAbsent(text, any -> places.size());
@@ -110,8 +127,11 @@ public final class WorldImageCodec {
                 entry.add(ChangeCodec.numbers(attachment.pose()));
             }
             items.add(entry);
+            if (!item.derived().isEmpty()) {
+                derived.add(List.of(item.id().value(), item.derived()));
+            }
         }
-        return Map.of("texts", List.copyOf(places.keySet()), "items", items);
+        return Map.of("texts", List.copyOf(places.keySet()), "items", items, "derived", derived);
     }
 
     private PMap<ItemId, ItemSymbols> readItems(JsonNode tree) {
@@ -126,6 +146,13 @@ public final class WorldImageCodec {
             }
             items.put(id, texts.read(id, entry.path(1).asString(), definitions.get(place))
                     .withGiven(Trees.values(entry.path(3))).attached(attachment(entry)));
+        }
+        for (JsonNode entry : Trees.list(tree, "derived")) {
+            var id = new ItemId(Trees.integer(entry.path(0)));
+            if (items.computeIfPresent(id, (any, item) ->
+                    item.withDerived(Trees.values(entry.path(1)))) == null) {
+                throw new CorruptException("symbols of item " + id + ", which is not there");
+            }
         }
         return TreePMap.from(items);
     }

@@ -81,6 +81,11 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
         return with(given.minus(symbol));
     }
 
+    /** The same with other symbols of rules, which are not checked. */
+    public ItemSymbols withDerived(Map<String, Object> symbols) {
+        return withDerived(given(symbols));
+    }
+
     ItemSymbols withDerived(PMap<String, Object> newDerived) {
         return new ItemSymbols(id, name, kind, shape, material, given, newDerived, actions,
                 capabilities, attachment);

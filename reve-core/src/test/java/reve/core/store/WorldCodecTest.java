@@ -18,6 +18,7 @@ import reve.core.mesh.Assets;
 import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.Column;
+import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
@@ -49,6 +50,10 @@ class WorldCodecTest {
     void anImageComesBackToTheBit(long seed) {
         World world = empty();
         change(world, new Random(seed), 200);
+        Item last = world.items().getLast();
+        last.semantic().derive("warm", true);
+        last.semantic().derive("tags", List.of("a", 2.0));
+        world.forces().add(new Forces.Force(last.id(), List.of(1.0, -0.0, 1e-300), seed));
         World other = empty();
         try (WorldImage image = new WorldImage(world); WorldImage back = new WorldImage(other)) {
             image.copyFrom(world, 12);
@@ -205,6 +210,7 @@ class WorldCodecTest {
     private static Map<String, Object> everything(World world) {
         Map<String, Object> all = new LinkedHashMap<>();
         all.put("symbols", Map.copyOf(world.symbols()));
+        all.put("forces", world.forces().active());
         all.put("items", world.items().stream().map(Item::toString).toList());
         for (Table table : world.tables()) {
             all.put(table.kind(), table.physicsRowCount());
