@@ -80,6 +80,9 @@ final class SchemaCheck {
 
     private void report(List<Error> errors, Node base) {
         for (Error error : errors) {
+            if (problems.full()) {
+                return;
+            }
             Node node = resolve(base, error.getInstanceLocation());
             switch (error.getKeyword()) {
                 case "additionalProperties" -> {

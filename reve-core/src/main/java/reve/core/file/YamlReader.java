@@ -35,6 +35,8 @@ final class YamlReader {
     static final int MAX_DEPTH = 32;
     /** Most values, counting mappings and lists, in a file and those that it includes. */
     static final int MAX_VALUES = 2_000_000;
+    /** Most keys of one mapping. */
+    static final int MAX_KEYS = 65_536;
     /** Longest text of a key or a value [characters]. */
     static final int MAX_TEXT_LENGTH = 65_536;
 
@@ -136,6 +138,9 @@ final class YamlReader {
         }
         if (awaitsKey()) {
             Mark mark = scalar.getStartMark().orElseThrow();
+            if (open.getLast().children().size() == MAX_KEYS) {
+                throw fatal(scalar.getStartMark(), "a mapping of more than " + MAX_KEYS + " keys");
+            }
             open.getLast().get(text).ifPresent(first -> problems.add(mark.getLine() + 1,
                     mark.getColumn() + 1, first.pointer(), "duplicate key `" + Node.shorten(text)
                             + "`, first on line " + first.keyLine()));

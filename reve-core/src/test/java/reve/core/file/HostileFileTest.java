@@ -57,6 +57,8 @@ class HostileFileTest {
                         "3:6: a text of 800000 characters; at most 65536 are allowed"),
                 attack("too many values", "a: [" + "1,".repeat(3_000_000),
                         "1:4000001: more than 2000000 values in all"),
+                attack("too many keys", keys(1_000_000),
+                        "65537:1: a mapping of more than 65536 keys"),
                 attack("open quote", START + "doc: \"" + "x\n".repeat(100_000), "100003:1: not "
                         + "valid YAML: while scanning a quoted scalar, found unexpected end of "
                         + "stream"),
@@ -86,6 +88,14 @@ class HostileFileTest {
 
     private static Arguments attack(String name, String text, String message) {
         return Arguments.of(name, text, message);
+    }
+
+    private static String keys(int count) {
+        var text = new StringBuilder();
+        for (int i = 0; i < count; i++) {
+            text.append('k').append(i).append(": 1\n");
+        }
+        return text.toString();
     }
 
     private static String blocks(int depth) {
