@@ -31,7 +31,8 @@ class RuleCost {
     public static void main(String[] arguments) throws Exception {
         var temperature = new PropertyDescriptor("temperature", "body", ScalarType.F64, 1,
                 Unit.parse("K"), Optional.empty(), "");
-        WorldPrototype prototype = WorldPrototype.standard("si-f64").extendedBy(List.of(temperature));
+        WorldPrototype prototype =
+                WorldPrototype.standard("si-f64").extendedBy(List.of(temperature));
         try (var arena = new OffHeapArena()) {
             World world = new World("rules", prototype, arena);
             for (int i = 0; i < ITEMS; i++) {
@@ -72,7 +73,7 @@ class RuleCost {
         }
         double[] last = Arrays.copyOfRange(nanoseconds, ROUNDS - 9, ROUNDS);
         Arrays.sort(last);
-        System.out.printf(Locale.ROOT, "%s: %.0f ns and %.0f bytes per item and frame%n", what, last[4],
-                bytes);
+        System.out.printf(Locale.ROOT, "%s: %.0f ns and %.0f bytes per item and frame%n", what,
+                last[4], bytes);
     }
 }

@@ -6,8 +6,8 @@ import reve.core.world.ActionRefused;
 import reve.core.world.Parameter;
 
 /**
- * An action written in Java, which world files name: {@code lift: {java: NAME}}. Providers are found
- * by {@link java.util.ServiceLoader}: a jar on the class path that lists them in {@code
+ * An action written in Java, which world files name: {@code lift: {java: NAME}}. Providers are
+ * found by {@link java.util.ServiceLoader}: a jar on the class path that lists them in {@code
  * META-INF/services/reve.core.access.ActionProvider}. An object is shared by all items and worlds.
  */
 public interface ActionProvider {

@@ -127,8 +127,8 @@ public sealed interface Effect {
      * taken twice.
      *
      * @param with what it has other than the definition says, by name: {@code physics.PROPERTY},
-     *     {@code semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or {@code
-     *     physical.colour}
+     *     {@code semantic.SYMBOL}, {@code physical.location}, {@code physical.orientation} or
+     *     {@code physical.colour}
      */
     record Create(ItemDefinition definition, Map<String, Operand> with) implements Effect {
         public Create {
@@ -155,7 +155,8 @@ public sealed interface Effect {
     }
 
     /**
-     * Tells everybody: fields {@code item}, {@code action}, if there is one {@code actor}, and others.
+     * Tells everybody: fields {@code item}, {@code action}, if there is one {@code actor}, and
+     * others.
      *
      * @param with texts, numbers and truth values by name
      */

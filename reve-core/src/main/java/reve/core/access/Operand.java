@@ -18,8 +18,8 @@ public sealed interface Operand {
     double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused;
 
     /**
-     * The value as a symbol takes it: a text, a truth value, a list, or a number (of an argument, in
-     * its own unit; of an expression, in SI units).
+     * The value as a symbol takes it: a text, a truth value, a list, or a number (of an argument,
+     * in its own unit; of an expression, in SI units).
      *
      * @throws ActionRefused if there is none this time
      */

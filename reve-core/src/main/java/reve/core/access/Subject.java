@@ -27,7 +27,7 @@ public record Subject(String name) {
         return new Subject(parameter.name());
     }
 
-    /** @throws ActionRefused with code {@code no-actor}, {@code no-such-item} or {@code not-a-body} */
+    /** @throws ActionRefused {@code no-actor}, {@code no-such-item} or {@code not-a-body} */
     Item in(ActionCall call) throws ActionRefused {
         if (equals(ITEM)) {
             return call.target();

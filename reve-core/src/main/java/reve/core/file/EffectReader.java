@@ -132,8 +132,9 @@ final class EffectReader {
 
     private Optional<Operand> vector(Node node, Owner whose, Unit unit) {
         if (!whose.kind().equals(WorldPrototype.BODY)) {
-            problems.addAtKey(node, "only bodies take " + (node.key().equals("impulse") ? "an " : "a ")
-                    + node.key() + ", this is a " + whose.kind());
+            String article = node.key().equals("impulse") ? "an " : "a ";
+            problems.addAtKey(node, "only bodies take " + article + node.key() + ", this is a "
+                    + whose.kind());
             return Optional.empty();
         }
         return requirePhysics(node, whose) ? operands.numbers(node, 3, unit, ScalarType.F64)

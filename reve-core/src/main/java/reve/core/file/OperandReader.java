@@ -19,8 +19,8 @@ import reve.core.world.SemanticAspect;
 import reve.core.world.SymbolDescriptor;
 
 /**
- * Reads the values that the effects of one action take: constants, and behind a {@code $} parameters
- * and expressions.
+ * Reads the values that the effects of one action take: constants, and behind a {@code $}
+ * parameters and expressions.
  */
 final class OperandReader {
     /** Names that parameters cannot have, because they mean something else in expressions. */

@@ -19,7 +19,7 @@ public final class Bindings {
         this.item = new ItemNames(scope.own());
     }
 
-    /** From now on, {@code physics}, {@code physical}, {@code semantic} and {@code item} are its. */
+    /** From now on {@code physics}, {@code physical}, {@code semantic} and {@code item} are its. */
     public Bindings of(Item newItem) {
         item.of(newItem);
         return this;

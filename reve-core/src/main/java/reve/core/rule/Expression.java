@@ -17,7 +17,8 @@ import reve.core.world.Parameter;
 
 /**
  * An expression that was understood. Immutable; evaluated on the world's thread, because what it
- * reads lives there. Its cost is bounded: it has at most 250 parts, and loops end after 1000 rounds.
+ * reads lives there. Its cost is bounded: it has at most 250 parts, and loops end after 1000
+ * rounds.
  */
 public final class Expression {
     private static final Pattern PLACE = Pattern.compile("evaluation error( at <input>:\\d+)?: ");

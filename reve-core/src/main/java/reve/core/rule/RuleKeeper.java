@@ -18,8 +18,8 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 
 /**
- * Keeps the symbol of one rule current. For each row it remembers what the rule read there last: the
- * same in, the same out.
+ * Keeps the symbol of one rule current. For each row it remembers what the rule read there last:
+ * the same in, the same out.
  */
 final class RuleKeeper {
     private static final String CLASS = "class";

@@ -9,8 +9,8 @@ import reve.core.world.World;
 /**
  * Keeps the symbols that rules give to items current. Rules are evaluated in their order, so that
  * one may read what those before it gave in the same frame, and only for items of which something
- * that they read has changed. One that gives no value for an item leaves it without the symbol, which
- * is told once per rule. World's thread.
+ * that they read has changed. One that gives no value for an item leaves it without the symbol,
+ * which is told once per rule. World's thread.
  */
 public final class Rules {
     private final List<RuleKeeper> keepers = new ArrayList<>();

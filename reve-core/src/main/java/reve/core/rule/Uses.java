@@ -38,7 +38,8 @@ final class Uses {
         return switch (expr.getKind()) {
             case SELECT -> inFull(parent, name + "." + expr.select().field());
             case CALL -> isIndex(expr, node.expr())
-                    ? inFull(parent, name + "." + expr.call().args().get(1).constant().stringValue())
+                    ? inFull(parent,
+                            name + "." + expr.call().args().get(1).constant().stringValue())
                     : name;
             default -> name;
         };

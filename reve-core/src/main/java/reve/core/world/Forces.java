@@ -4,8 +4,9 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Forces that act on bodies for some frames, beside what laws work out. During PHYSICS they are part
- * of the column {@code appliedForce}, which otherwise holds what designers put there. World's thread.
+ * Forces that act on bodies for some frames, beside what laws work out. During PHYSICS they are
+ * part of the column {@code appliedForce}, which otherwise holds what designers put there. World's
+ * thread.
  */
 public final class Forces {
 
