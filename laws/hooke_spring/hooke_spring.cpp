@@ -15,6 +15,8 @@ using namespace vesper::hooke_spring;
 
 // Rows that a thread compares at once.
 constexpr uint64_t kGrain = 16384;
+// Threads that can work at the same time: memory is reserved for so many of the largest tile.
+constexpr uint64_t kMostPlaces = 64;
 
 /** Springs with viscous damping along their axis. The bodies are cut into tiles; for each, all
  *  springs that hold one of its bodies are computed and summed in a fixed order, and what they do
@@ -41,8 +43,10 @@ struct HookeSpring {
 
   void Bind() {
     tiles_.Build({endpoints.data(), endpoints.size()}, position.size());
+    const uint64_t count = tiles_.tiles().size();
+    tiles_at_once_ = std::max<uint64_t>(1, (count + kMostPlaces - 1) / kMostPlaces);
     // Of the places to work at, only those are ever touched that threads need at the same time.
-    const uint64_t places = tiles_.tiles().size();
+    const uint64_t places = (count + tiles_at_once_ - 1) / tiles_at_once_;
     motions_ = std::make_unique_for_overwrite<Motion<Real>[]>(places * tiles_.most_bodies());
     forces_ = std::make_unique_for_overwrite<Forces<Real>[]>(places * tiles_.most_slots() / kBatch);
     taken_ = std::make_unique<std::atomic_flag[]>(places);
@@ -55,7 +59,7 @@ struct HookeSpring {
 
   void Advance(const Step& step) {
     Update(step);
-    step.ParallelFor(tiles_.tiles().size(), 1, [&](uint64_t begin, uint64_t end) {
+    step.ParallelFor(tiles_.tiles().size(), tiles_at_once_, [&](uint64_t begin, uint64_t end) {
       uint64_t place = 0;
       while (taken_[place].test_and_set(std::memory_order_acquire)) ++place;
       for (uint64_t i = begin; i < end; ++i) PullAt(tiles_.tiles()[i], place);
@@ -151,6 +155,7 @@ struct HookeSpring {
   const TileForces<Real> compiled_ = AvailableTileForces<Real>().front();
   // All of it is rebuilt by Bind or by each Advance.
   SpringTiles tiles_;
+  uint64_t tiles_at_once_ = 1;                 // that a thread takes
   std::vector<Copied> copies_;                 // length, hooke, damping; none if in order of rows
   std::atomic_flag edited_;
   std::unique_ptr<Motion<Real>[]> motions_;    // (places x most_bodies of tiles_)

@@ -9,6 +9,7 @@ namespace vesper::hooke_spring {
 namespace {
 
 constexpr uint32_t kNowhere = UINT32_MAX;
+constexpr uint64_t kUnknown = UINT64_MAX;
 // Bodies of a tile: enough for its springs to be worth a task, and so few that they stay in the
 // second-level cache.
 constexpr uint64_t kFewest = 2048, kMost = 8192;
@@ -43,6 +44,8 @@ std::vector<uint32_t> SortByLowerEnd(std::span<const Ends> endpoints, uint64_t b
 
 void SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
   if (endpoints.size() > uint64_t{1} << 29) throw std::length_error("more than 2^29 springs");
+  if (bodies == bodies_ && std::ranges::equal(endpoints, endpoints_)) return;
+  bodies_ = kUnknown;  // until all is done: memory may run out meanwhile
   in_row_order_ = VisitsInOrder(endpoints);
   std::vector<uint32_t> order;
   if (in_row_order_) {
@@ -66,6 +69,8 @@ void SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
     most_bodies_ = std::max(most_bodies_, tile.body_count + tile.other_count);
     most_slots_ = std::max(most_slots_, tile.slot_count);
   }
+  endpoints_.assign(endpoints.begin(), endpoints.end());
+  bodies_ = bodies;
 }
 
 /// Lays out the tiles, with room for their springs.

@@ -31,7 +31,8 @@ class SpringTiles {
  public:
   /** Springs come in the order of their rows where these visit the bodies more or less in order,
    *  else by the lower of their ends; in both cases each body meets its springs in an order that
-   *  depends on `endpoints` alone. Allocates. Throws std::length_error beyond 2^29 springs. */
+   *  depends on `endpoints` alone. Does nothing if all is as it was. Allocates. Throws
+   *  std::length_error beyond 2^29 springs. */
   void Build(std::span<const Ends> endpoints, uint64_t bodies);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
@@ -67,6 +68,8 @@ class SpringTiles {
     return slot > tile.first_slot && rows_[slot] == rows_[slot - 1];
   }
 
+  std::vector<Ends> endpoints_;  // those that the tiles are of
+  uint64_t bodies_ = 0;
   bool in_row_order_ = true;
   uint64_t tile_size_ = 1;  // bodies
   uint64_t most_bodies_ = 0, most_slots_ = 0;

@@ -152,6 +152,17 @@ TEST(SpringTilesTest, EachBodyIsOfOneTileThatHasAllItsSprings) {
   }
 }
 
+TEST(SpringTilesTest, ABodyThatHoldsManySpringsFeelsThemAll) {
+  Network<double> star(9000, 30000, true);
+  for (Ends& ends : star.endpoints) ends[1] = 7000;
+  star.tiles.Build(star.endpoints, star.position.size());
+  const auto sums = star.Forces(AvailableTileForces<double>().front(), true);
+  const Vec3<double> expected = star.Expected(true)[7000];
+  EXPECT_LT(Length(Network<double>::Wide(sums[7000]) - expected),
+            1e-3)  // of 30,000 springs that pull with some hundred N each
+      << "seed " << kSeed;
+}
+
 TEST(SpringTilesTest, SpringsInOrderAreReadAsTheyAreAndOthersSorted) {
   EXPECT_TRUE(Network<float>(3000, 9000, true).tiles.in_row_order());
   EXPECT_FALSE(Network<float>(3000, 9000, false).tiles.in_row_order());
