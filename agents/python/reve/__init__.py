@@ -15,6 +15,7 @@ from .protocol import (
     Perception,
     Result,
     Ticket,
+    Update,
     Value,
     Welcome,
 )
@@ -34,6 +35,7 @@ __all__ = [
     "Result",
     "ReveError",
     "Ticket",
+    "Update",
     "Value",
     "Welcome",
     "connect",

@@ -35,6 +35,7 @@ from .protocol import (
     Pong,
     Result,
     ServerMessage,
+    Update,
     Welcome,
 )
 
@@ -51,18 +52,19 @@ def connect(
     name: str,
     body: Optional[str] = None,
     role: str = protocol.AGENT,
+    encoding: str = protocol.JSON,
     grace: float = 0.0,
     timeout: float = 10.0,
 ) -> Agent:
     """Joins the world at that address as agent `name` and returns when it has a body there.
 
     `body` names an item that the world lends to agents; without it the world chooses one. As `role` "observer"
-    one perceives everything and does nothing. `grace` [s] is how long the body may wait for us when the
-    connection breaks; we reconnect by ourselves, and whoever waits for an answer notices nothing. `timeout` [s]
-    bounds this and every later wait for an answer. Raises OSError where nobody listens, Disconnected with
-    the server's code where the agent may not join.
+    one perceives everything and does nothing. `encoding` "msgpack" is faster and needs the package msgpack.
+    `grace` [s] is how long the body may wait for us when the connection breaks; we reconnect by ourselves, and
+    whoever waits for an answer notices nothing. `timeout` [s] bounds this and every later wait for an answer.
+    Raises OSError where nobody listens, Disconnected with the server's code where the agent may not join.
     """
-    return Agent((host, port), protocol.hello(name, body, role, grace), timeout)
+    return Agent((host, port), protocol.hello(name, body, role, encoding, grace), timeout)
 
 
 def control(
@@ -90,11 +92,15 @@ class Agent:
         self._subscription: Optional[int] = None
         self._every = 0
         self._latest: Optional[Perception] = None
+        self._known: Optional[Perception] = None
+        self._encoding = str(greeting.get("encoding", protocol.JSON))
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = 0
+        self._seen_after: List[int] = []  # frames of the events that came after the last one seen whole
+        self._known_already = 0
         self._end: Optional[ReveError] = None
 
-        self._socket, self._lines, self.welcome = self._open(greeting)
+        self._socket, self._stream, self.welcome = self._open(greeting)
         self._frame_seen = self.welcome.frame - 1
         self._reader = threading.Thread(
             target=self._read, name=f"reve agent {self.welcome.agent}", daemon=True
@@ -105,11 +111,11 @@ class Agent:
         connection = socket.create_connection(self._address, self._timeout)
         try:
             connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
-            lines = connection.makefile("rb")
+            stream = connection.makefile("rb")
             connection.sendall(protocol.encode(greeting))
-            welcome = _await_welcome(lines.readline)
+            welcome = _await_welcome(stream)
             connection.settimeout(None)
-            return connection, lines, welcome
+            return connection, stream, welcome
         except BaseException:
             connection.close()
             raise
@@ -139,7 +145,8 @@ class Agent:
             raise ValueError(f"every is {every}; expected a number of frames, 1 or more")
         number = next(self._ids)
         with self._changed:
-            self._subscription, self._every, self._latest = number, every, None
+            self._subscription, self._every = number, every
+            self._latest = self._known = None
         self._send(protocol.perceive(number, every))
         try:
             while True:
@@ -182,12 +189,13 @@ class Agent:
                 self._changed.notify_all()
         try:
             with self._sending:
-                self._socket.sendall(protocol.encode(protocol.bye()))
+                self._socket.sendall(self._encode(protocol.bye()))
             self._reader.join(self._timeout)  # ends with the server's bye, or with the connection
             self._socket.shutdown(socket.SHUT_RDWR)
         except OSError:
             pass  # the connection is gone already, which is all we want
         self._reader.join()
+        self._stream.close()
         self._socket.close()
 
     def __enter__(self) -> Agent:
@@ -198,7 +206,7 @@ class Agent:
 
     def _ask(self, question: Callable[[int], Message], answer_type: Type[_T]) -> _T:
         number = next(self._ids)
-        line = protocol.encode(question(number))
+        line = self._encode(question(number))
         with self._changed:
             self._waiting[number] = None
         try:
@@ -229,13 +237,16 @@ class Agent:
         with self._changed:
             if self._subscription != number:
                 return
-            self._subscription = self._latest = None
+            self._subscription = self._latest = self._known = None
             if self._end is not None:
                 return
         self._send(protocol.perceive(next(self._ids), 0))
 
+    def _encode(self, message: Message) -> bytes:
+        return protocol.encode(message, self._encoding)
+
     def _send(self, message: Message) -> None:
-        self._send_line(protocol.encode(message))
+        self._send_line(self._encode(message))
 
     def _send_line(self, line: bytes, number: Optional[int] = None) -> None:
         """Sends now or, if the connection is broken but may come back, what has a number later."""
@@ -257,9 +268,8 @@ class Agent:
         end: ReveError = Disconnected("lost", "the server closed the connection without a reason")
         while True:
             try:
-                line = self._lines.readline()
-                if line:
-                    message = protocol.decode(line)
+                message = protocol.read(self._stream)
+                if message is not None:
                     if isinstance(message, Bye):
                         self._finish(Disconnected(message.code, message.message, message.hint))
                         return
@@ -279,6 +289,7 @@ class Agent:
         ticket = self.welcome.session
         if ticket is None or self._end is not None:
             return False
+        self._stream.close()
         self._socket.close()
         deadline = time.monotonic() + ticket.grace_seconds
         while time.monotonic() < deadline and self._end is None:
@@ -295,36 +306,59 @@ class Agent:
 
     def _go_on(self, token: str) -> None:
         greeting = protocol.hello(
-            self.name, role=self.welcome.role, resume=(token, max(0, self._frame_seen))
+            self.name,
+            role=self.welcome.role,
+            encoding=self._encoding,
+            resume=(token, max(0, self._frame_seen)),
         )
-        connection, lines, _ = self._open(greeting)
+        connection, stream, _ = self._open(greeting)
+        self._known_already = len(self._seen_after)
         with self._sending:
-            self._socket, self._lines = connection, lines
+            self._socket, self._stream = connection, stream
             for line in self._unanswered.values():
                 connection.sendall(line)
             with self._changed:
                 subscription, every = self._subscription, self._every
             if subscription is not None:
-                connection.sendall(protocol.encode(protocol.perceive(subscription, every)))
+                connection.sendall(self._encode(protocol.perceive(subscription, every)))
 
     def _take(self, message: ServerMessage) -> None:
         if isinstance(message, Ping):
-            self._send_line(protocol.encode(protocol.pong()))
+            self._send(protocol.pong())
             return
         with self._changed:
             if isinstance(message, Event):
-                self._events.append(message)
-                self._frame_seen = max(self._frame_seen, message.frame - 1)
-            elif isinstance(message, Perception) and message.id == self._subscription:
-                self._latest = message
-                self._frame_seen = max(self._frame_seen, message.frame)
+                self._hear(message)
+            elif isinstance(message, (Perception, Update)) and message.id == self._subscription:
+                self._show(message)
+                self._has_seen(message.frame)
             elif isinstance(message, (Perception, Result, Pong, Error)):
                 self._answer(message)
             self._changed.notify_all()
 
+    def _hear(self, event: Event) -> None:
+        if self._known_already > 0:  # told again after a break
+            self._known_already -= 1
+            return
+        self._events.append(event)
+        self._has_seen(event.frame - 1)
+        self._seen_after.append(event.frame)
+
+    def _has_seen(self, frame: int) -> None:
+        """All events up to that frame have come."""
+        self._frame_seen = max(self._frame_seen, frame)
+        self._seen_after = [f for f in self._seen_after if f > self._frame_seen]
+
+    def _show(self, message: Union[Perception, Update]) -> None:
+        if isinstance(message, Perception):
+            self._known = message
+        elif self._known is not None:
+            self._known = self._known.updated(message)
+        self._latest = self._known
+
     def _answer(self, message: Union[Perception, Result, Pong, Error]) -> None:
         if isinstance(message, Perception):
-            self._frame_seen = max(self._frame_seen, message.frame)
+            self._has_seen(message.frame)
         if message.id is not None and message.id in self._waiting:
             self._waiting[message.id] = message
         elif isinstance(message, Error):
@@ -379,18 +413,17 @@ class Control(Agent):
         return self._ask(lambda number: protocol.command(number, t, **fields), Result)
 
 
-def _await_welcome(readline: Callable[[], bytes]) -> Welcome:
+def _await_welcome(stream: BinaryIO) -> Welcome:
     """Before the welcome the server may only ping, refuse the hello or end the connection."""
     while True:
         try:
-            line = readline()
+            message = protocol.read(stream)
         except socket.timeout as error:
             raise ReveError(
                 "no-answer", "the server did not welcome us in time", "is its world running?"
             ) from error
-        if not line:
+        if message is None:
             raise Disconnected("lost", "the server closed the connection before its welcome")
-        message = protocol.decode(line)
         if isinstance(message, Welcome):
             return message
         if isinstance(message, Bye):

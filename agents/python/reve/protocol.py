@@ -1,18 +1,34 @@
-"""The messages of protocol version 1 and how they are written, one JSON object per line.
+"""The messages of protocol version 1 and how they are written: JSON lines or MessagePack.
 
 The protocol is described in agents/protocol/PROTOCOL.md.
 """
 
 from __future__ import annotations
 
+import dataclasses
 import json
+import math
 from dataclasses import dataclass
-from typing import Any, Callable, Dict, List, Mapping, Optional, Sequence, Tuple, Union
+from typing import (
+    Any,
+    BinaryIO,
+    Callable,
+    Dict,
+    Iterable,
+    List,
+    Mapping,
+    Optional,
+    Sequence,
+    Tuple,
+    Union,
+)
 
-from .errors import ProtocolError
+from .errors import ProtocolError, ReveError
 
 VERSION = 1
 AGENT, CONTROL, OBSERVER = "agent", "control", "observer"
+JSON, MSGPACK = "json", "msgpack"
+NOT_TURNED = (0.0, 0.0, 0.0, 1.0)
 
 Value = Union[str, float, bool, List[float]]
 """A symbol's or an event field's value."""
@@ -51,6 +67,7 @@ class Welcome:
     world: str
     frame: int
     rate: int
+    encoding: str
     session: Optional[Ticket]
     resumed: bool
     limits: Limits
@@ -67,17 +84,20 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Item:
-    """One item as perceived. `location` is x, y, z [m] in the world's frame, None for what has no place."""
+    """One item as perceived. `location` is x, y, z [m] in the world's frame and `orientation` a unit
+    quaternion x, y, z, w; `location` is None for what has no place, or one that we do not sense.
+    """
 
     name: str
     location: Optional[Tuple[float, float, float]]
     symbols: Mapping[str, Value]
     actions: Mapping[str, Mapping[str, Parameter]]
+    orientation: Tuple[float, float, float, float] = NOT_TURNED
 
 
 @dataclass(frozen=True)
 class Perception:
-    """All items of one frame; `time` is the world's [s]."""
+    """All items that we perceive in one frame; `time` is the world's [s]."""
 
     id: Optional[int]
     frame: int
@@ -87,6 +107,45 @@ class Perception:
     def find(self, name: str) -> Optional[Item]:
         """The item of that name, if it was perceived."""
         return next((item for item in self.items if item.name == name), None)
+
+    def updated(self, update: Update) -> Perception:
+        """What we perceive after an update to this perception."""
+        if update.since != self.frame:
+            raise ProtocolError(f"an update to frame {update.since} came after frame {self.frame}")
+        items = {item.name: item for item in self.items}
+        for name in update.left:
+            items.pop(name, None)
+        items.update((item.name, item) for item in update.entered)
+        for change in update.changed:
+            if change.name not in items:
+                raise ProtocolError(f"{change.name!r} changed, which we do not perceive")
+            changed = {k: v for k, v in vars(change).items() if v is not None}
+            items[change.name] = dataclasses.replace(items[change.name], **changed)
+        return Perception(update.id, update.frame, update.time, tuple(items.values()))
+
+
+@dataclass(frozen=True)
+class Change:
+    """What is new about an item; None for what is as before."""
+
+    name: str
+    location: Optional[Tuple[float, float, float]] = None
+    orientation: Optional[Tuple[float, float, float, float]] = None
+    symbols: Optional[Mapping[str, Value]] = None
+    actions: Optional[Mapping[str, Mapping[str, Parameter]]] = None
+
+
+@dataclass(frozen=True)
+class Update:
+    """What is different from the perception of frame `since`."""
+
+    id: Optional[int]
+    frame: int
+    time: float
+    since: int
+    left: Tuple[str, ...]
+    entered: Tuple[Item, ...]
+    changed: Tuple[Change, ...]
 
 
 @dataclass(frozen=True)
@@ -146,13 +205,14 @@ class Bye:
     hint: Optional[str]
 
 
-ServerMessage = Union[Welcome, Perception, Result, Event, Error, Ping, Pong, Bye]
+ServerMessage = Union[Welcome, Perception, Update, Result, Event, Error, Ping, Pong, Bye]
 
 
 def hello(
     name: str,
     body: Optional[str] = None,
     role: str = AGENT,
+    encoding: str = JSON,
     grace_seconds: float = 0,
     resume: Optional[Tuple[str, int]] = None,
 ) -> Message:
@@ -162,6 +222,8 @@ def hello(
         message["role"] = role
     if body is not None:
         message["body"] = body
+    if encoding != JSON:
+        message["encoding"] = encoding
     if grace_seconds > 0:
         message["graceSeconds"] = grace_seconds
     if resume is not None:
@@ -199,20 +261,72 @@ def bye() -> Message:
     return {"t": "bye"}
 
 
-def encode(message: Message) -> bytes:
-    """One line with its end. ValueError for a number that is not finite, TypeError for what JSON has no form of."""
-    text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
-    return text.encode("utf-8") + b"\n"
+def encode(message: Message, encoding: str = JSON) -> bytes:
+    """The message as it goes over the wire.
+
+    ValueError for a number that is not finite, TypeError for what JSON has no form of.
+    """
+    if encoding == JSON:
+        text = json.dumps(message, ensure_ascii=False, allow_nan=False, separators=(",", ":"))
+        return text.encode("utf-8") + b"\n"
+    _require_finite(message)
+    packed: bytes = _msgpack().packb(message)
+    return len(packed).to_bytes(4, "big") + packed
 
 
 def decode(line: bytes) -> ServerMessage:
     """The message that a line from the server says; ProtocolError if it says none."""
     try:
-        message = json.loads(line.decode("utf-8"))
-        return _READERS[message["t"]](message)
+        return _message(json.loads(line.decode("utf-8")))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         shown = line[:200].decode("utf-8", "backslashreplace").rstrip()
         raise ProtocolError(f"the server sent {shown!r}, which is no message ({error!r})") from error
+
+
+def decode_packed(message: bytes) -> ServerMessage:
+    """The message that MessagePack, without its length, says; ProtocolError if it says none."""
+    try:
+        return _message(_msgpack().unpackb(message))
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ProtocolError(
+            f"the server sent {message[:200].hex()}, which is no message ({error!r})"
+        ) from error
+
+
+def read(stream: BinaryIO) -> Optional[ServerMessage]:
+    """The next message of a connection, in either encoding; None at its end."""
+    first = stream.read(1)
+    if not first:
+        return None
+    if first != b"\0":
+        return decode(first + stream.readline())
+    length = int.from_bytes(first + stream.read(3), "big")
+    message = stream.read(length)
+    return decode_packed(message) if len(message) == length else None
+
+
+def _message(message: Message) -> ServerMessage:
+    return _READERS[message["t"]](message)
+
+
+def _msgpack() -> Any:
+    try:
+        import msgpack
+    except ImportError as error:
+        raise ReveError(
+            "no-msgpack", "MessagePack needs the package msgpack", "pip install msgpack, or use JSON"
+        ) from error
+    return msgpack
+
+
+def _require_finite(value: Any) -> None:
+    if isinstance(value, float) and not math.isfinite(value):
+        raise ValueError(f"{value} is not finite")
+    if isinstance(value, dict):
+        value = value.values()
+    if not isinstance(value, (str, bytes)) and isinstance(value, Iterable):
+        for element in value:
+            _require_finite(element)
 
 
 def _welcome(message: Message) -> Welcome:
@@ -226,6 +340,7 @@ def _welcome(message: Message) -> Welcome:
         world=message["world"],
         frame=message["frame"],
         rate=message["rate"],
+        encoding=message.get("encoding", JSON),
         session=None if session is None else Ticket(session["token"], session["graceSeconds"]),
         resumed=message.get("resumed", False),
         limits=Limits(
@@ -235,27 +350,47 @@ def _welcome(message: Message) -> Welcome:
 
 
 def _item(item: Message) -> Item:
-    location: Optional[List[float]] = item.get("location")
+    change = _change(item)
     return Item(
+        name=change.name,
+        location=change.location,
+        symbols=change.symbols or {},
+        actions=change.actions or {},
+        orientation=change.orientation or NOT_TURNED,
+    )
+
+
+def _change(item: Message) -> Change:
+    at: Optional[List[float]] = item.get("location")
+    turn: Optional[List[float]] = item.get("orientation")
+    actions: Optional[Message] = item.get("actions")
+    return Change(
         name=item["name"],
-        location=None if location is None else (location[0], location[1], location[2]),
-        symbols=item["symbols"],
-        actions={
+        location=None if at is None else (at[0], at[1], at[2]),
+        orientation=None if turn is None else (turn[0], turn[1], turn[2], turn[3]),
+        symbols=item.get("symbols"),
+        actions=None if actions is None else {
             action: {
                 name: Parameter(p["type"], p.get("components"), p.get("unit"))
                 for name, p in parameters.items()
             }
-            for action, parameters in item["actions"].items()
+            for action, parameters in actions.items()
         },
     )
 
 
-def _perception(message: Message) -> Perception:
-    return Perception(
+def _perception(message: Message) -> Union[Perception, Update]:
+    if "since" not in message:
+        items = tuple(_item(item) for item in message["items"])
+        return Perception(message.get("id"), message["frame"], message["time"], items)
+    return Update(
         id=message.get("id"),
         frame=message["frame"],
         time=message["time"],
-        items=tuple(_item(item) for item in message["items"]),
+        since=message["since"],
+        left=tuple(message.get("left", ())),
+        entered=tuple(_item(item) for item in message.get("entered", ())),
+        changed=tuple(_change(item) for item in message.get("changed", ())),
     )
 
 

@@ -162,6 +162,23 @@ class AgentTest(unittest.TestCase):
                 reve.connect("127.0.0.1", silent.getsockname()[1], name="sam", timeout=0.2)
         self.assertEqual(raised.exception.code, "no-answer")
 
+    def test_messagepack_does_all_that_json_does(self):
+        try:
+            import msgpack  # noqa: F401
+        except ImportError:
+            self.skipTest("needs the package msgpack")
+        with self.join("mia", encoding="msgpack", grace=20.0) as mia:
+            self.assertEqual(mia.welcome.encoding, "msgpack")
+            perceptions = mia.perceptions()
+            before = next(perceptions).find("duck")
+            self.assertTrue(mia.act("duck", "paint", colour="blau"))
+            mia._socket.shutdown(socket.SHUT_RDWR)
+            self.assertEqual(mia.act("swan", "paint").code, "no-such-item")
+            while next(perceptions).find("duck").symbols["colour"] != "blau":
+                pass
+            self.assertEqual(next(perceptions).find("duck").location, before.location)
+            self.assertEqual(mia.perceive().find("duck").actions, before.actions)
+
     def test_an_observer_perceives_without_a_body(self):
         with self.join("eye", role="observer") as eye:
             self.assertIsNone(eye.body)

@@ -1,12 +1,19 @@
 """The protocol's test vectors, as every client must reproduce them."""
 
+import io
 import json
 import math
 import unittest
 
 from support import vectors
 
+import reve
 from reve import ProtocolError, protocol
+
+try:
+    import msgpack
+except ImportError:
+    msgpack = None
 
 
 def written(message):
@@ -25,20 +32,44 @@ def written(message):
             fields["session"] = {"token": message.session.token, "graceSeconds": message.session.grace_seconds}
         if not message.resumed:
             del fields["resumed"]
+        if message.encoding == protocol.JSON:
+            del fields["encoding"]
     if t == "perception":
         fields["items"] = [item(i) for i in message.items]
+    if t == "update":
+        fields["left"] = list(message.left)
+        fields["entered"] = [item(i) for i in message.entered]
+        fields["changed"] = [item(i) for i in message.changed]
+        return {"t": "perception", **{k: v for k, v in fields.items() if v != []}}
     return {"t": t, **fields}
 
 
 def item(perceived):
-    fields = {"name": perceived.name, "symbols": perceived.symbols}
-    if perceived.location is not None:
-        fields["location"] = list(perceived.location)
-    fields["actions"] = {
-        action: {name: {k: v for k, v in vars(p).items() if v is not None} for name, p in parameters.items()}
-        for action, parameters in perceived.actions.items()
-    }
+    fields = {k: v for k, v in vars(perceived).items() if v is not None}
+    for vector in ("location", "orientation"):
+        if vector in fields:
+            fields[vector] = list(fields[vector])
+    if isinstance(perceived, reve.Item):
+        if perceived.orientation == protocol.NOT_TURNED:
+            del fields["orientation"]
+        for sensed in ("symbols", "actions"):
+            if not fields[sensed]:
+                del fields[sensed]
+    if "actions" in fields:
+        fields["actions"] = {
+            action: {name: {k: v for k, v in vars(p).items() if v is not None} for name, p in parameters.items()}
+            for action, parameters in perceived.actions.items()
+        }
     return fields
+
+
+def understood(message):
+    """A message of the server without what an item says by saying nothing: that it has no actions."""
+    for one in message.get("items", []) + message.get("entered", []):
+        for sensed in ("symbols", "actions"):
+            if one.get(sensed) == {}:
+                del one[sensed]
+    return message
 
 
 def said(message):
@@ -47,7 +78,8 @@ def said(message):
     if t == "hello":
         resume = message.get("resume")
         return protocol.hello(
-            message["name"], message.get("body"), message.get("role", protocol.AGENT), message.get("graceSeconds", 0),
+            message["name"], message.get("body"), message.get("role", protocol.AGENT),
+            message.get("encoding", protocol.JSON), message.get("graceSeconds", 0),
             None if resume is None else (resume["session"], resume["frame"]),
         )
     if t == "perceive":
@@ -74,7 +106,37 @@ class ProtocolTest(unittest.TestCase):
         session = [line["server"] for line in vectors("session.jsonl") if "server" in line]
         for message in vectors("server.jsonl") + session:
             with self.subTest(message=message):
-                self.assertEqual(written(protocol.decode(json.dumps(message).encode())), message)
+                self.assertEqual(written(protocol.decode(json.dumps(message).encode())), understood(message))
+
+    @unittest.skipUnless(msgpack, "needs the package msgpack")
+    def test_messagepack_says_the_same(self):
+        for vector in vectors("packed.jsonl"):
+            with self.subTest(message=vector["message"]):
+                frame, message = bytes.fromhex(vector["bytes"]), vector["message"]
+                if vector["from"] == "server":
+                    self.assertEqual(written(protocol.read(io.BytesIO(frame))), understood(message))
+                else:
+                    encoded = protocol.encode(said(message), protocol.MSGPACK)
+                    self.assertEqual(int.from_bytes(encoded[:4], "big"), len(encoded) - 4)
+                    self.assertEqual(msgpack.unpackb(encoded[4:]), message)
+
+    @unittest.skipUnless(msgpack, "needs the package msgpack")
+    def test_a_packed_number_that_is_not_finite_is_never_sent(self):
+        with self.assertRaises(ValueError):
+            protocol.encode(protocol.act(1, "duck", "push", {"impulse": [0.0, math.nan]}), protocol.MSGPACK)
+
+    def test_updates_add_up(self):
+        messages = [protocol.decode(json.dumps(m).encode()) for m in vectors("server.jsonl")]
+        first = next(m for m in messages if isinstance(m, reve.Perception) and m.id == 2)
+        perception = first
+        for update in (m for m in messages if isinstance(m, reve.Update)):
+            perception = perception.updated(update)
+        boat, duck = perception.items
+        self.assertEqual((boat.name, boat.location, boat.orientation), ("boat", (3.0, 0.0, 0.5), (0.0, 0.0, 0.0, 1.0)))
+        self.assertEqual((boat.symbols["class"], list(boat.actions)), ("wreck", ["raise"]))
+        self.assertEqual((duck.name, duck.location, duck.actions), ("duck", (1.0, 0.0, -2.5), {}))
+        with self.assertRaises(ProtocolError):
+            first.updated(next(m for m in messages if isinstance(m, reve.Update) and m.since == 6))
 
     def test_an_unusual_form_means_the_same(self):
         for vector in vectors("lenient.jsonl"):
@@ -86,7 +148,7 @@ class ProtocolTest(unittest.TestCase):
     def test_what_is_no_message_is_refused_and_shown(self):
         for line in (
             b"", b"null", b"[]", b"{}", b'{"t":1}', b'{"t":"jump"}', b'{"t":"hello"}', b'{"t":"bye"', b"\xff\xfe",
-            b'{"t":"result","id":1}', b'{"t":"perception","frame":1,"time":0,"items":[{"name":"a"}]}',
+            b'{"t":"result","id":1}', b'{"t":"perception","frame":1,"time":0,"items":[{}]}',
         ):
             with self.subTest(line=line), self.assertRaises(ProtocolError) as raised:
                 protocol.decode(line)

@@ -1,8 +1,9 @@
 package reve.agent;
 
-import java.io.BufferedReader;
+import java.io.BufferedInputStream;
+import java.io.ByteArrayOutputStream;
+import java.io.DataInputStream;
 import java.io.IOException;
-import java.io.InputStreamReader;
 import java.io.OutputStream;
 import java.net.InetSocketAddress;
 import java.net.Socket;
@@ -20,6 +21,7 @@ import java.util.OptionalLong;
 import java.util.concurrent.TimeUnit;
 import java.util.function.BooleanSupplier;
 import org.jspecify.annotations.Nullable;
+import tools.jackson.databind.node.ObjectNode;
 
 /**
  * An agent in a world. Calls block until the server has answered; a thread of the client's own reads, so that the
@@ -34,7 +36,8 @@ public final class AgentClient implements AutoCloseable {
     public static final int MAX_EVENTS = 1024;
 
     private final Socket socket;
-    private final BufferedReader in;
+    private final DataInputStream in;
+    private final Encoding encoding;
     private final OutputStream out;
     private final Duration patience;
     private final Welcome welcome;
@@ -47,6 +50,7 @@ public final class AgentClient implements AutoCloseable {
     private long lastId;
     private long subscription;
     private int every;
+    private @Nullable Perception known;
     private @Nullable Perception latest;
     private @Nullable AgentException end;
 
@@ -77,9 +81,10 @@ public final class AgentClient implements AutoCloseable {
         this.patience = join.patience();
         socket.setTcpNoDelay(true);
         socket.setSoTimeout(Math.toIntExact(patience.toMillis()));
-        in = new BufferedReader(new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+        in = new DataInputStream(new BufferedInputStream(socket.getInputStream()));
         out = socket.getOutputStream();
-        write(Protocol.hello(join));
+        encoding = join.encoding();
+        write(encode(Protocol.hello(join), Encoding.JSON));
         welcome = awaitWelcome();
         socket.setSoTimeout(0);
         reader = Thread.ofVirtual().name("reve agent " + join.name()).start(this::read);
@@ -114,6 +119,7 @@ public final class AgentClient implements AutoCloseable {
         synchronized (this) {
             subscription = id;
             every = frames;
+            known = null;
             latest = null;
         }
         send(Protocol.perceive(id, frames));
@@ -138,6 +144,7 @@ public final class AgentClient implements AutoCloseable {
     public void stopPerceiving() {
         synchronized (this) {
             subscription = 0;
+            known = null;
             latest = null;
         }
         send(Protocol.perceive(nextId(), 0));
@@ -198,7 +205,7 @@ public final class AgentClient implements AutoCloseable {
         return ++lastId;
     }
 
-    private <T extends ServerMessage> T ask(long id, String question, Class<T> answerType) {
+    private <T extends ServerMessage> T ask(long id, ObjectNode question, Class<T> answerType) {
         ServerMessage answer;
         synchronized (this) {
             answers.put(id, Optional.empty());
@@ -245,7 +252,7 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    private void send(String message) {
+    private void send(ObjectNode message) {
         synchronized (this) {
             if (end != null) {
                 throw end;
@@ -258,12 +265,19 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    private void write(String message) throws IOException {
-        byte[] line = (message + "\n").getBytes(StandardCharsets.UTF_8);
+    private void write(ObjectNode message) throws IOException {
+        write(encode(message, encoding));
+    }
+
+    private void write(byte[] message) throws IOException {
         synchronized (sending) {
-            out.write(line);
+            out.write(message);
             out.flush();
         }
+    }
+
+    private static byte[] encode(ObjectNode message, Encoding encoding) {
+        return encoding == Encoding.JSON ? (message + "\n").getBytes(StandardCharsets.UTF_8) : Packed.write(message);
     }
 
     // ---- listening ----
@@ -298,13 +312,27 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
+    /** A line of JSON begins with a brace, a length with 0. */
     private ServerMessage next() throws IOException {
-        String line = in.readLine();
-        if (line == null) {
+        int first = in.read();
+        if (first < 0) {
             throw new DisconnectedException("lost", "the server closed the connection without a reason",
                     Optional.empty());
         }
-        return Protocol.read(line);
+        if (first != 0) {
+            return Protocol.read(line(first));
+        }
+        byte[] packed = new byte[in.readUnsignedByte() << 16 | in.readUnsignedShort()];
+        in.readFully(packed);
+        return Protocol.read(packed);
+    }
+
+    private String line(int first) throws IOException {
+        var line = new ByteArrayOutputStream(256);
+        for (int next = first; next >= 0 && next != '\n'; next = in.read()) {
+            line.write(next);
+        }
+        return line.toString(StandardCharsets.UTF_8);
     }
 
     private void take(ServerMessage message) throws IOException {
@@ -320,6 +348,7 @@ public final class AgentClient implements AutoCloseable {
             }
             case ActResult result -> answer(OptionalLong.of(result.id()), result);
             case Perception perception -> show(perception);
+            case Update update -> show(update);
             case WorldEvent event -> remember(event);
             case Welcome again -> throw unexpected(again);
         }
@@ -327,10 +356,19 @@ public final class AgentClient implements AutoCloseable {
 
     private synchronized void show(Perception perception) {
         if (perception.id().equals(OptionalLong.of(subscription))) {
+            known = perception;
             latest = perception;
             notifyAll();
         } else {
             answer(perception.id(), perception);
+        }
+    }
+
+    private synchronized void show(Update update) {
+        if (known != null && update.id().equals(OptionalLong.of(subscription))) {
+            known = known.updated(update);
+            latest = known;
+            notifyAll();
         }
     }
 

@@ -1,5 +1,6 @@
 package reve.agent;
 
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -7,7 +8,7 @@ import java.util.OptionalInt;
 import java.util.OptionalLong;
 
 /**
- * All items of one frame.
+ * All items that an agent perceives in one frame.
  *
  * @param time of the world [s]
  */
@@ -19,17 +20,48 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
     }
 
     /**
+     * What the agent perceives after an update to this perception.
+     *
+     * @throws AgentException if the update is to another one
+     */
+    Perception updated(Update update) {
+        if (update.since() != frame) {
+            throw new AgentException("protocol", "an update to frame " + update.since() + " came after frame " + frame,
+                    Optional.empty());
+        }
+        var known = new LinkedHashMap<String, Item>();
+        items.forEach(item -> known.put(item.name(), item));
+        update.left().forEach(known::remove);
+        update.entered().forEach(item -> known.put(item.name(), item));
+        for (Update.Change change : update.changed()) {
+            if (known.computeIfPresent(change.name(), (name, item) -> change.applyTo(item)) == null) {
+                throw new AgentException("protocol", change.name() + " changed, which the agent does not perceive",
+                        Optional.empty());
+            }
+        }
+        return new Perception(update.id(), update.frame(), update.time(), List.copyOf(known.values()));
+    }
+
+    /**
      * One item as perceived.
      *
-     * @param location in the world's frame [m]; empty for what has no place
+     * @param location in the world's frame [m]; empty for what has no place or one that is not sensed
+     * @param orientation in the world's frame
      * @param symbols String, Double, Boolean or a List of these by name
      * @param actions by name: parameters by name
      */
-    public record Item(String name, Optional<Location> location, Map<String, Object> symbols,
-            Map<String, Map<String, Parameter>> actions) {}
+    public record Item(String name, Optional<Location> location, Orientation orientation,
+            Map<String, Object> symbols, Map<String, Map<String, Parameter>> actions) {}
 
     /** A place in the world's frame [m], +Y up. */
     public record Location(double x, double y, double z) {}
+
+    /** A rotation as a unit quaternion. */
+    public record Orientation(double x, double y, double z, double w) {
+
+        /** No rotation. */
+        public static final Orientation NONE = new Orientation(0, 0, 0, 1);
+    }
 
     /**
      * What an action takes.

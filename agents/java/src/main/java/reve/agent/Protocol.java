@@ -1,5 +1,6 @@
 package reve.agent;
 
+import java.io.IOException;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.Collections;
@@ -15,7 +16,7 @@ import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 import tools.jackson.databind.node.ObjectNode;
 
-/** How the messages of protocol version 1 are written, one JSON object per line. */
+/** The messages of protocol version 1, as trees that JSON or MessagePack hold. */
 final class Protocol {
 
     static final int VERSION = 1;
@@ -27,59 +28,62 @@ final class Protocol {
 
     // ---- what a client says ----
 
-    static String hello(Join join) {
+    static ObjectNode hello(Join join) {
         ObjectNode message = message("hello").put("protocol", VERSION).put("name", join.name());
         if (!join.role().equals("agent")) {
             message.put("role", join.role());
         }
         join.body().ifPresent(item -> message.put("body", item));
+        if (join.encoding() != Encoding.JSON) {
+            message.put("encoding", join.encoding().wireName());
+        }
         if (join.grace().isPositive()) {
             message.put("graceSeconds", join.grace().toMillis() / 1000.0);
         }
         join.resume().ifPresent(resume -> message.putObject("resume")
                 .put("session", resume.session()).put("frame", resume.frame()));
-        return message.toString();
+        return message;
     }
 
-    static String perceive(long id) {
-        return message("perceive").put("id", id).toString();
+    static ObjectNode perceive(long id) {
+        return message("perceive").put("id", id);
     }
 
-    static String perceiveWithRelations(long id) {
-        return message("perceive").put("id", id).put("relations", true).toString();
+    static ObjectNode perceiveWithRelations(long id) {
+        return message("perceive").put("id", id).put("relations", true);
     }
 
     /** @param every frames between perceptions, 0 for no more */
-    static String perceive(long id, int every) {
-        return message("perceive").put("id", id).put("every", every).toString();
+    static ObjectNode perceive(long id, int every) {
+        return message("perceive").put("id", id).put("every", every);
     }
 
-    static String act(long id, String item, String action, Map<String, ?> arguments) {
+    static ObjectNode act(long id, String item, String action, Map<String, ?> arguments) {
         ObjectNode values = JSON.createObjectNode();
         arguments.forEach((name, value) -> values.set(name, argument(name, value)));
         ObjectNode message = message("act").put("id", id).put("item", item).put("action", action);
         message.set("arguments", values);
-        return message.toString();
+        return message;
     }
 
     /** What only the role control may say. */
-    static String command(long id, String type, Map<String, ?> fields) {
+    static ObjectNode command(long id, String type, Map<String, ?> fields) {
         ObjectNode message = message(type).put("id", id);
         fields.forEach((name, value) -> message.set(name, value instanceof Map<?, ?> map
                 ? JSON.valueToTree(map) : argument(name, value)));
-        return message.toString();
+        return message;
     }
 
-    static String ping(long id) {
-        return message("ping").put("id", id).toString();
+    static ObjectNode ping(long id) {
+        return message("ping").put("id", id);
     }
 
-    static String pong() {
-        return message("pong").toString();
+    static ObjectNode pong() {
+        return message("pong");
     }
 
-    static String bye() {
-        return message("bye").toString();
+    static ObjectNode bye() {
+        return message("bye");
     }
 
     private static ObjectNode message(String type) {
@@ -120,31 +124,56 @@ final class Protocol {
     /** @throws AgentException with code {@code protocol} if the line says nothing of version 1 */
     static ServerMessage read(String line) {
         try {
-            JsonNode message = JSON.readTree(line);
-            return switch (text(message, "t")) {
-                case "welcome" -> welcome(message);
-                case "perception" -> new Perception(id(message), message.required("frame").longValue(),
-                        message.required("time").doubleValue(),
-                        message.required("items").valueStream().map(Protocol::item).toList());
-                case "result" -> result(message);
-                case "event" -> new WorldEvent(message.required("frame").longValue(), text(message, "type"),
-                        map(message.required("fields"), Protocol::value));
-                case "error" -> new ServerMessage.Error(id(message), text(message, "code"), text(message, "message"),
-                        optional(message, "hint"));
-                case "ping" -> new ServerMessage.Ping();
-                case "pong" -> new ServerMessage.Pong(id(message));
-                case "bye" -> new ServerMessage.Bye(text(message, "code"), text(message, "message"),
-                        optional(message, "hint"));
-                default -> throw noMessage(line);
-            };
+            return read(JSON.readTree(line));
         } catch (JacksonException | IllegalArgumentException e) {
             throw noMessage(line);
         }
     }
 
+    /**
+     * @param packed MessagePack without its length
+     * @throws AgentException with code {@code protocol} if it says nothing of version 1
+     */
+    static ServerMessage read(byte[] packed) {
+        try {
+            return read(Packed.read(packed));
+        } catch (IOException | RuntimeException e) {
+            throw noMessage("MessagePack of " + packed.length + " bytes: " + e.getMessage());
+        }
+    }
+
+    private static ServerMessage read(JsonNode message) {
+        return switch (text(message, "t")) {
+            case "welcome" -> welcome(message);
+            case "perception" -> message.has("since") ? update(message) : new Perception(id(message),
+                    message.required("frame").longValue(), message.required("time").doubleValue(),
+                    list(message.required("items"), Protocol::item));
+            case "result" -> result(message);
+            case "event" -> new WorldEvent(message.required("frame").longValue(), text(message, "type"),
+                    map(message.required("fields"), Protocol::value));
+            case "error" -> new ServerMessage.Error(id(message), text(message, "code"), text(message, "message"),
+                    optional(message, "hint"));
+            case "ping" -> new ServerMessage.Ping();
+            case "pong" -> new ServerMessage.Pong(id(message));
+            case "bye" -> new ServerMessage.Bye(text(message, "code"), text(message, "message"),
+                    optional(message, "hint"));
+            default -> throw new IllegalArgumentException("there is no such message");
+        };
+    }
+
     private static AgentException noMessage(String line) {
-        return new AgentException("protocol", "the server sent a line that is no message of protocol " + VERSION
+        return new AgentException("protocol", "the server sent what is no message of protocol " + VERSION
                 + ": " + line.substring(0, Math.min(SHOWN, line.length())), Optional.empty());
+    }
+
+    private static Update update(JsonNode message) {
+        return new Update(id(message), message.required("frame").longValue(), message.required("time").doubleValue(),
+                message.required("since").longValue(), list(message.path("left"), JsonNode::stringValue),
+                list(message.path("entered"), Protocol::item), list(message.path("changed"), Protocol::change));
+    }
+
+    private static <T> List<T> list(JsonNode list, Function<JsonNode, T> read) {
+        return list.valueStream().map(read).toList();
     }
 
     private static Welcome welcome(JsonNode message) {
@@ -152,7 +181,7 @@ final class Protocol {
         return new Welcome(id(message), message.required("protocol").intValue(), text(message, "role"),
                 text(message, "agent"), optional(message, "body"), text(message, "world"),
                 message.required("frame").longValue(), message.required("rate").intValue(),
-                message.optional("session").map(session -> new Welcome.Ticket(text(session, "token"),
+                text(message, "encoding", Encoding.JSON.wireName()), message.optional("session").map(session -> new Welcome.Ticket(text(session, "token"),
                         session.required("graceSeconds").doubleValue())), message.path("resumed").asBoolean(false),
                 new Welcome.Limits(limits.required("lineBytes").intValue(),
                         limits.required("actsInFlight").intValue(), limits.required("idleSeconds").doubleValue(),
@@ -169,10 +198,24 @@ final class Protocol {
     }
 
     private static Perception.Item item(JsonNode item) {
-        Optional<Perception.Location> location = item.optional("location").map(at -> new Perception.Location(
-                at.required(0).doubleValue(), at.required(1).doubleValue(), at.required(2).doubleValue()));
-        return new Perception.Item(text(item, "name"), location, map(item.required("symbols"), Protocol::value),
-                map(item.required("actions"), action -> map(action, Protocol::parameter)));
+        Update.Change change = change(item);
+        return new Perception.Item(change.name(), change.location(),
+                change.orientation().orElse(Perception.Orientation.NONE), change.symbols().orElse(Map.of()),
+                change.actions().orElse(Map.of()));
+    }
+
+    private static Update.Change change(JsonNode item) {
+        return new Update.Change(text(item, "name"),
+                item.optional("location").map(at -> new Perception.Location(number(at, 0), number(at, 1),
+                        number(at, 2))),
+                item.optional("orientation").map(turn -> new Perception.Orientation(number(turn, 0), number(turn, 1),
+                        number(turn, 2), number(turn, 3))),
+                item.optional("symbols").map(symbols -> map(symbols, Protocol::value)),
+                item.optional("actions").map(actions -> map(actions, action -> map(action, Protocol::parameter))));
+    }
+
+    private static double number(JsonNode list, int index) {
+        return list.required(index).doubleValue();
     }
 
     private static Perception.Parameter parameter(JsonNode parameter) {
@@ -205,6 +248,10 @@ final class Protocol {
 
     private static String text(JsonNode message, String field) {
         return message.required(field).stringValue();
+    }
+
+    private static String text(JsonNode message, String field, String otherwise) {
+        return optional(message, field).orElse(otherwise);
     }
 
     private static Optional<String> optional(JsonNode message, String field) {

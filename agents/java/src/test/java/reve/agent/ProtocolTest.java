@@ -5,10 +5,13 @@ import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
 import java.io.IOException;
+import java.nio.ByteBuffer;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.HexFormat;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -49,15 +52,51 @@ class ProtocolTest {
     @ParameterizedTest
     @MethodSource("clientMessages")
     void whatTheClientSaysIsWrittenAsDocumented(JsonNode message) {
-        String line = said(message);
-        assertThat(line).doesNotContain("\n");
-        assertSame(JSON.readTree(line), message);
+        assertSame(JSON.readTree(said(message).toString()), message);
     }
 
     @ParameterizedTest
     @MethodSource({"serverMessages", "sessionMessages"})
     void whatTheServerSaysIsUnderstood(JsonNode message) {
-        assertSame(written(Protocol.read(message.toString())), message);
+        assertSame(written(Protocol.read(message.toString())), understood(message));
+    }
+
+    static Stream<JsonNode> packedMessages() throws IOException {
+        return vectors("packed.jsonl");
+    }
+
+    @ParameterizedTest
+    @MethodSource("packedMessages")
+    void messagePackSaysTheSame(JsonNode vector) throws IOException {
+        byte[] frame = HexFormat.of().parseHex(vector.get("bytes").stringValue());
+        byte[] packed = Arrays.copyOfRange(frame, Packed.LENGTH_BYTES, frame.length);
+        if (vector.get("from").stringValue().equals("server")) {
+            assertSame(written(Protocol.read(packed)), understood(vector.get("message")));
+        } else {
+            byte[] mine = Packed.write(said(vector.get("message")));
+            assertThat(ByteBuffer.wrap(mine).getInt()).isEqualTo(mine.length - Packed.LENGTH_BYTES);
+            assertSame(Packed.read(Arrays.copyOfRange(mine, Packed.LENGTH_BYTES, mine.length)), vector.get("message"));
+        }
+    }
+
+    @Test
+    void updatesAddUp() throws IOException {
+        var messages = vectors("server.jsonl").map(message -> Protocol.read(message.toString())).toList();
+        Perception perception = messages.stream().filter(Perception.class::isInstance).map(Perception.class::cast)
+                .filter(message -> message.id().equals(OptionalLong.of(2))).findFirst().orElseThrow();
+        Perception first = perception;
+        List<Update> updates = messages.stream().filter(Update.class::isInstance).map(Update.class::cast).toList();
+        for (Update update : updates) {
+            perception = perception.updated(update);
+        }
+        Perception.Item boat = perception.items().getFirst();
+        assertThat(boat.location()).contains(new Perception.Location(3, 0, 0.5));
+        assertThat(boat.orientation()).isEqualTo(Perception.Orientation.NONE);
+        assertThat(boat.symbols()).containsEntry("class", "wreck");
+        assertThat(boat.actions()).containsOnlyKeys("raise");
+        assertThat(perception.find("duck").orElseThrow().actions()).isEmpty();
+        assertThat(perception.find("shadow")).isEmpty();
+        assertThatExceptionOfType(AgentException.class).isThrownBy(() -> first.updated(updates.getLast()));
     }
 
     @ParameterizedTest
@@ -70,7 +109,7 @@ class ProtocolTest {
     @ParameterizedTest
     @ValueSource(strings = {"", "null", "[]", "{}", "{\"t\":1}", "{\"t\":\"jump\"}", "{\"t\":\"hello\"}",
         "{\"t\":\"result\",\"id\":1}", "{\"t\":\"event\",\"frame\":\"x\",\"type\":\"y\",\"fields\":{}}",
-        "{\"t\":\"perception\",\"frame\":1,\"time\":0,\"items\":[{\"name\":\"a\"}]}", "{\"t\":\"bye\""})
+        "{\"t\":\"perception\",\"frame\":1,\"time\":0,\"items\":[{}]}", "{\"t\":\"bye\""})
     void whatIsNoMessageIsRefused(String line) {
         assertThatExceptionOfType(AgentException.class).isThrownBy(() -> Protocol.read(line))
                 .satisfies(e -> assertThat(e.code()).isEqualTo("protocol")).withMessageContaining(line);
@@ -87,11 +126,12 @@ class ProtocolTest {
     }
 
     /** What this client writes for a message with those values. */
-    private static String said(JsonNode message) {
+    private static ObjectNode said(JsonNode message) {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
             case "hello" -> Protocol.hello(new Join(message.get("name").stringValue(),
                     message.path("role").asString("agent"), message.optional("body").map(JsonNode::stringValue),
+                    message.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON,
                     Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
                     message.optional("resume").map(resume -> new Join.Resume(
                             resume.get("session").stringValue(), resume.get("frame").longValue())), Duration.ZERO));
@@ -140,6 +180,9 @@ class ProtocolTest {
                 put(json.put("t", "welcome"), w.id());
                 put(json.put("protocol", w.protocol()).put("role", w.role()).put("agent", w.agent()), "body", w.body());
                 json.put("world", w.world()).put("frame", w.frame()).put("rate", w.rate());
+                if (!w.encoding().equals("json")) {
+                    json.put("encoding", w.encoding());
+                }
                 w.session().ifPresent(session -> json.putObject("session").put("token", session.token())
                         .put("graceSeconds", session.graceSeconds()));
                 if (w.resumed()) {
@@ -153,6 +196,13 @@ class ProtocolTest {
                 put(json.put("t", "perception"), p.id());
                 ArrayNode items = json.put("frame", p.frame()).put("time", p.time()).putArray("items");
                 p.items().forEach(item -> items.add(written(item)));
+            }
+            case Update u -> {
+                put(json.put("t", "perception"), u.id());
+                json.put("frame", u.frame()).put("time", u.time()).put("since", u.since());
+                putIfAny(json, "left", u.left().stream().<JsonNode>map(JSON::valueToTree).toList());
+                putIfAny(json, "entered", u.entered().stream().map(ProtocolTest::written).toList());
+                putIfAny(json, "changed", u.changed().stream().map(ProtocolTest::written).toList());
             }
             case ActResult r -> {
                 json.put("t", "result").put("id", r.id()).put("accepted", r.accepted());
@@ -174,20 +224,52 @@ class ProtocolTest {
         return JSON.readTree(json.toString());
     }
 
+    private static void putIfAny(ObjectNode json, String field, List<JsonNode> values) {
+        if (!values.isEmpty()) {
+            json.set(field, JSON.valueToTree(values));
+        }
+    }
+
+    /** An item says what it does not say by default. */
     private static JsonNode written(Perception.Item item) {
-        ObjectNode json = JSON.createObjectNode().put("name", item.name());
-        item.location().ifPresent(at -> json.putArray("location").add(at.x()).add(at.y()).add(at.z()));
-        json.set("symbols", JSON.valueToTree(item.symbols()));
-        ObjectNode actions = json.putObject("actions");
-        item.actions().forEach((action, parameters) -> {
-            ObjectNode all = actions.putObject(action);
-            parameters.forEach((name, parameter) -> {
-                ObjectNode one = all.putObject(name).put("type", parameter.type());
-                parameter.components().ifPresent(count -> one.put("components", count));
-                put(one, "unit", parameter.unit());
+        return written(new Update.Change(item.name(), item.location(),
+                Optional.of(item.orientation()).filter(turn -> !turn.equals(Perception.Orientation.NONE)),
+                Optional.of(item.symbols()).filter(symbols -> !symbols.isEmpty()),
+                Optional.of(item.actions()).filter(actions -> !actions.isEmpty())));
+    }
+
+    private static JsonNode written(Update.Change change) {
+        ObjectNode json = JSON.createObjectNode().put("name", change.name());
+        change.location().ifPresent(at -> json.putArray("location").add(at.x()).add(at.y()).add(at.z()));
+        change.orientation().ifPresent(turn ->
+                json.putArray("orientation").add(turn.x()).add(turn.y()).add(turn.z()).add(turn.w()));
+        change.symbols().ifPresent(symbols -> json.set("symbols", JSON.valueToTree(symbols)));
+        change.actions().ifPresent(all -> {
+            ObjectNode actions = json.putObject("actions");
+            all.forEach((action, parameters) -> {
+                ObjectNode one = actions.putObject(action);
+                parameters.forEach((name, parameter) -> {
+                    ObjectNode fields = one.putObject(name).put("type", parameter.type());
+                    parameter.components().ifPresent(count -> fields.put("components", count));
+                    put(fields, "unit", parameter.unit());
+                });
             });
         });
         return json;
+    }
+
+    /** A message of the server without what an item says by saying nothing. */
+    private static JsonNode understood(JsonNode message) {
+        for (String list : List.of("items", "entered")) {
+            message.path(list).forEach(item -> {
+                for (String field : List.of("symbols", "actions")) {
+                    if (item.path(field).isEmpty()) {
+                        item.asObject().remove(field);
+                    }
+                }
+            });
+        }
+        return message;
     }
 
     private static void put(ObjectNode json, OptionalLong id) {

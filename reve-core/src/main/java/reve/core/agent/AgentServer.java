@@ -1,11 +1,13 @@
 package reve.core.agent;
 
+import java.io.Closeable;
 import java.io.IOException;
 import java.io.OutputStream;
 import java.net.BindException;
 import java.net.InetSocketAddress;
 import java.net.ServerSocket;
 import java.net.Socket;
+import java.time.Clock;
 import java.time.Duration;
 import java.util.ArrayDeque;
 import java.util.Deque;
@@ -43,6 +45,7 @@ public final class AgentServer implements AutoCloseable {
     private final Set<Connection> connections = ConcurrentHashMap.newKeySet();
     private final Map<String, Session> sessions = new ConcurrentHashMap<>();
     private final Deque<AgentCommand> leaving = new ArrayDeque<>();
+    private final Optional<AuditLog> audit;
     private final Subscription subscription;
     private final Thread acceptor;
     private final Thread watch;
@@ -52,16 +55,30 @@ public final class AgentServer implements AutoCloseable {
      * Begins to listen.
      *
      * @throws BindException naming the address if it cannot be had
+     * @throws IOException if the audit file cannot be written
      */
     public static AgentServer start(AgentServerConfig config, WorldPort port) throws IOException {
-        var server = new AgentServer(config, port, listen(config.address()));
+        ServerSocket socket = listen(config.address());
+        AgentServer server;
+        try {
+            server = new AgentServer(config, port, socket, openAudit(config));
+        } catch (IOException e) {
+            closeQuietly(socket);
+            throw e;
+        }
         server.publisher.start();
         server.watch.start();
         server.acceptor.start();
         return server;
     }
 
-    private AgentServer(AgentServerConfig config, WorldPort port, ServerSocket socket) {
+    private static Optional<AuditLog> openAudit(AgentServerConfig config) throws IOException {
+        return config.audit().isPresent()
+                ? Optional.of(new AuditLog(config.audit().get(), Clock.systemUTC())) : Optional.empty();
+    }
+
+    private AgentServer(AgentServerConfig config, WorldPort port, ServerSocket socket, Optional<AuditLog> audit) {
+        this.audit = audit;
         this.config = config;
         this.port = port;
         this.socket = socket;
@@ -104,6 +121,7 @@ public final class AgentServer implements AutoCloseable {
         }
         watch.interrupt();
         publisher.stop();
+        audit.ifPresent(AgentServer::closeQuietly);
     }
 
     // ---- for connections and sessions ----
@@ -124,6 +142,10 @@ public final class AgentServer implements AutoCloseable {
         return desk;
     }
 
+    Optional<AuditLog> audit() {
+        return audit;
+    }
+
     long published() {
         return publisher.published();
     }
@@ -134,7 +156,7 @@ public final class AgentServer implements AutoCloseable {
 
     Welcome welcome(Session session, ClientMessage.Hello hello, long frame, boolean resumed) {
         return new Welcome(hello.id(), PROTOCOL, session.role(), hello.name(), session.body(), port.world(), frame,
-                port.framesPerSecond(), Optional.ofNullable(session.ticket()), resumed,
+                port.framesPerSecond(), session.encoding(), Optional.ofNullable(session.ticket()), resumed,
                 new Limits(config.lineBytes(), config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
     }
 
@@ -264,7 +286,7 @@ public final class AgentServer implements AutoCloseable {
                 "the server has " + config.maxConnections() + " connections, which is all it takes");
         counters.cut.increment();
         try (connection; OutputStream out = connection.getOutputStream()) {
-            out.write(why.bye().line());
+            out.write(why.bye().in(Encoding.JSON));
             connection.shutdownOutput();
         } catch (IOException e) {
             // It has gone by itself.
@@ -298,9 +320,9 @@ public final class AgentServer implements AutoCloseable {
         }
     }
 
-    private static void closeQuietly(ServerSocket socket) {
+    private static void closeQuietly(Closeable resource) {
         try {
-            socket.close();
+            resource.close();
         } catch (IOException e) {
             // Closing frees the descriptor even when it complains.
         }

@@ -2,7 +2,9 @@ package reve.core.agent;
 
 import java.net.InetAddress;
 import java.net.InetSocketAddress;
+import java.nio.file.Path;
 import java.time.Duration;
+import java.util.Optional;
 
 /**
  * Where the server listens and what it takes from a client. The limits are those that PROTOCOL.md promises; tests
@@ -21,11 +23,13 @@ import java.time.Duration;
  * @param actsInFlight most acts and other commands of one client that wait for their result
  * @param outboxMessages most messages of one agent that wait to be written
  * @param outboxBytes and most bytes of them
- * @param maxErrors refused lines after which a connection ends
+ * @param maxErrors refused messages after which a connection ends
+ * @param audit the file to which a record of all that clients are told is appended
  */
 public record AgentServerConfig(InetSocketAddress address, int maxConnections, int helloBytes, Duration hello,
         int lineBytes, Duration line, Duration idle, Duration write, Duration grace, Duration linger,
-        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors) {
+        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors,
+        Optional<Path> audit) {
 
     /** @throws IllegalArgumentException if the address is not loopback, or a limit is not positive */
     public AgentServerConfig {
@@ -58,7 +62,13 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
     public static AgentServerConfig on(InetSocketAddress address) {
         return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 1024 * 1024,
                 Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(60),
-                Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8);
+                Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty());
+    }
+
+    /** The same, with a record of all that clients are told. */
+    public AgentServerConfig withAudit(Path file) {
+        return new AgentServerConfig(address, maxConnections, helloBytes, hello, lineBytes, line, idle, write, grace,
+                linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, Optional.of(file));
     }
 
     private static void requirePositive(String name, long value) {

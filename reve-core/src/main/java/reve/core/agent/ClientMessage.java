@@ -33,11 +33,12 @@ sealed interface ClientMessage {
     /**
      * @param role as written
      * @param body the lent item it asks for
+     * @param encoding of all that follows, as written
      * @param graceSeconds how long its body is to stay when the connection breaks
      * @param resume the session it goes on with
      */
-    record Hello(long id, int protocol, String name, String role, Optional<String> body, double graceSeconds,
-            Optional<Resume> resume) implements ClientMessage {}
+    record Hello(long id, int protocol, String name, String role, Optional<String> body, String encoding,
+            double graceSeconds, Optional<Resume> resume) implements ClientMessage {}
 
     /**
      * @param session what the welcome of the broken connection gave

@@ -28,9 +28,10 @@ final class Connection {
     private final Thread writer;
     private int errors;
 
-    /** Set once, guarded by this. */
-    private @Nullable Session session;
+    /** Set once, with this held. */
+    private volatile @Nullable Session session;
 
+    private volatile Encoding encoding = Encoding.JSON;
     private volatile @Nullable Ending ending;
     private volatile long endedNanos;
     private volatile long writingSinceNanos;
@@ -61,17 +62,17 @@ final class Connection {
         return outbox;
     }
 
-    /** Queues a line for the client; ends the connection if too much is waiting. */
-    void send(byte[] line) {
-        if (!outbox.offer(line)) {
-            endAsTooSlow();
-        }
+    /** How it is written to; JSON until the hello has come. */
+    Encoding encoding() {
+        return encoding;
     }
 
-    /** The client has let too much pile up. */
-    void endAsTooSlow() {
-        end(Ending.cut("too-slow", "more than " + config.outboxMessages() + " messages or "
-                + config.outboxBytes() + " bytes wait to be read"));
+    /** Queues a message for the client; ends the connection if too much is waiting. */
+    void send(ServerMessage message) {
+        if (!outbox.offer(message.in(encoding))) {
+            end(Ending.cut("too-slow", "more than " + config.outboxMessages() + " messages or "
+                    + config.outboxBytes() + " bytes wait to be read"));
+        }
     }
 
     /** Says bye and lets go; the first reason counts. */
@@ -81,14 +82,15 @@ final class Connection {
         }
         endedNanos = System.nanoTime();
         ending = why;
-        if (session != null) {
-            session.disconnected(this, why);
+        Session client = session;
+        if (client != null) {
+            client.disconnected(this, why);
         }
         if (why.isCut()) {
             counters.cut.increment();
         }
         report(why);
-        outbox.finish(why.bye().line()); // who has read its bye has left, and may come back
+        outbox.finish(why.bye().in(encoding)); // who has read its bye has left, and may come back
     }
 
     /** Called every now and then; ends a write that takes too long and a connection that does not go. */
@@ -130,10 +132,10 @@ final class Connection {
         try {
             socket.setTcpNoDelay(true);
             socket.setSendBufferSize(SEND_BUFFER_BYTES);
-            var lines = new LineReader(socket, config, () -> send(new ServerMessage.Ping().line()));
-            for (ByteBuffer line = lines.next(); line != null && !hasEnded(); line = lines.next()) {
+            var messages = new FrameReader(socket, config, () -> send(new ServerMessage.Ping()));
+            for (ByteBuffer next = messages.next(); next != null && !hasEnded(); next = messages.next()) {
                 counters.lines.increment();
-                take(line, lines);
+                take(next, messages);
             }
             end(Ending.regular("lost", "the client closed the connection without a bye"));
         } catch (Ending e) {
@@ -154,24 +156,24 @@ final class Connection {
         end(Ending.regular("failed", "the server has an error; its log says more"));
     }
 
-    private void take(ByteBuffer line, LineReader lines) throws Ending {
+    private void take(ByteBuffer bytes, FrameReader messages) throws Ending {
         try {
-            handle(MessageReader.read(line), lines);
+            handle(MessageReader.read(bytes, encoding), messages);
         } catch (BadMessage e) {
             counters.errors.increment();
-            send(e.error().line());
+            send(e.error());
             errors++;
             if (errors >= config.maxErrors()) {
-                throw Ending.cut("too-many-errors", errors + " lines were refused");
+                throw Ending.cut("too-many-errors", errors + " messages were refused");
             }
         }
     }
 
-    private void handle(ClientMessage message, LineReader lines) throws BadMessage, Ending {
+    private void handle(ClientMessage message, FrameReader messages) throws BadMessage, Ending {
         Session agent = session;
         if (agent == null) {
             greet(message);
-            lines.greeted();
+            messages.greeted(encoding);
             return;
         }
         switch (message) {
@@ -179,7 +181,7 @@ final class Connection {
                     "this connection is " + agent + " already", "open another connection for another agent");
             case ClientMessage.Perceive perceive -> agent.perceive(perceive);
             case ClientMessage.Request request -> agent.request(request);
-            case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()).line());
+            case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()));
             case ClientMessage.Pong pong -> { }
             case ClientMessage.Bye bye -> throw Ending.regular("goodbye", "the agent said bye");
         }
@@ -191,6 +193,9 @@ final class Connection {
                     "send {\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}");
         }
         if (!hasEnded()) {
+            encoding = Encoding.of(hello.encoding()).orElseThrow(() -> Ending.refused("encoding-unsupported",
+                    "this server does not write " + Text.quote(hello.encoding()),
+                    "say hello with \"encoding\":\"json\" or \"encoding\":\"msgpack\""));
             session = server.greet(this, hello);
         }
     }
@@ -215,12 +220,20 @@ final class Connection {
 
     // ---- writer ----
 
+    private void record(Outbox.Line line) {
+        Session client = session;
+        if (client != null) {
+            server.audit().ifPresent(audit -> audit.told(client.name(), encoding, line));
+        }
+    }
+
     private void write() {
         try {
             OutputStream out = new BufferedOutputStream(socket.getOutputStream(), WRITE_BUFFER_BYTES);
             for (Outbox.Line line = outbox.take(); line != null; line = outbox.take()) {
                 writingSinceNanos = System.nanoTime();
                 writing = true;
+                record(line);
                 out.write(line.head());
                 out.write(line.tail());
                 if (outbox.isEmpty()) {

@@ -17,26 +17,27 @@ final class EventLog {
     private int bytes;
     private long lastForgotten = -1;
 
-    private record Told(long frame, byte[] line) {}
+    private record Told(ServerMessage.Event event, int bytes) {}
 
     EventLog(int maxEvents, int maxBytes) {
         this.maxEvents = maxEvents;
         this.maxBytes = maxBytes;
     }
 
-    void add(long frame, byte[] line) {
-        told.addLast(new Told(frame, line));
-        bytes += line.length;
+    /** @param size of the event as it was told [bytes] */
+    void add(ServerMessage.Event event, int size) {
+        told.addLast(new Told(event, size));
+        bytes += size;
         while (told.size() > maxEvents || bytes > maxBytes) {
             Told oldest = told.removeFirst();
-            bytes -= oldest.line.length;
-            lastForgotten = oldest.frame;
+            bytes -= oldest.bytes;
+            lastForgotten = oldest.event.frame();
         }
     }
 
     /** What happened after a frame, in order; empty if some of it is forgotten. */
-    Optional<List<byte[]>> after(long frame) {
+    Optional<List<ServerMessage.Event>> after(long frame) {
         return lastForgotten > frame ? Optional.empty()
-                : Optional.of(told.stream().filter(event -> event.frame > frame).map(Told::line).toList());
+                : Optional.of(told.stream().map(Told::event).filter(event -> event.frame() > frame).toList());
     }
 }

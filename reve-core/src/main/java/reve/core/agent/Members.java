@@ -15,8 +15,13 @@ import reve.core.world.Arguments;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
+import reve.core.world.Parameter;
+import reve.core.world.ParameterType;
+import reve.core.world.Sensor;
+import reve.core.world.Table;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
+import reve.core.world.WorldPrototype;
 
 /**
  * The agents that are in a world, and the one place where what they want is checked and done. The same inputs in
@@ -28,12 +33,14 @@ public final class Members {
     private final AgentPolicy policy;
     private final Map<String, Body> bodies = new HashMap<>();
     private final Set<String> lent = new HashSet<>();
+    private final SensedWorld sensed = new SensedWorld();
 
     /**
      * @param name what it was called when the agent came
      * @param made true if the item exists for this agent only and goes with it
+     * @param sensors what the agent perceives with; none for everything
      */
-    private record Body(ItemId id, String name, boolean made) {
+    private record Body(ItemId id, String name, boolean made, List<Sensor> sensors) {
 
         Optional<Item> in(World world) {
             return world.find(id);
@@ -73,13 +80,40 @@ public final class Members {
         if (body == null) {
             return new Outcome.Absent();
         }
-        Item item = world.find(act.item()).orElseThrow(() -> new ActionRefused("no-such-item",
-                "the world has no item " + Text.quote(act.item())));
+        Item item = find(world, body, act.item());
         Action action = item.access().find(act.action()).orElseThrow(() -> noSuchAction(item, act.action()));
-        action.perform(new ActionCall(world, frame, item, body.in(world), Arguments.check(action, act.arguments())));
+        Arguments arguments = Arguments.check(action, act.arguments());
+        for (Parameter parameter : action.parameters()) {
+            if (parameter.type() == ParameterType.ITEM && !body.sensors.isEmpty()) {
+                find(world, body, arguments.text(parameter.name()));
+            }
+        }
+        action.perform(new ActionCall(world, frame, item, body.in(world), arguments));
         world.raise(new WorldEvent(frame, "acted",
                 fields("agent", act.agent(), "item", act.item(), "action", act.action())));
         return new Outcome.Done(frame);
+    }
+
+    /** An item that an agent does not sense is none to it; the refusal must not tell the difference. */
+    private Item find(World world, Body body, String name) throws ActionRefused {
+        Optional<Item> item = world.find(name);
+        if (body.sensors.isEmpty()) {
+            return item.orElseThrow(() -> new ActionRefused("no-such-item",
+                    "the world has no item " + Text.quote(name)));
+        }
+        return item.filter(there -> senses(world, body, there.id())).orElseThrow(() -> new ActionRefused(
+                "no-such-item", "you sense no item " + Text.quote(name)));
+    }
+
+    private boolean senses(World world, Body body, ItemId item) {
+        Table bodies = world.table(WorldPrototype.BODY);
+        int eye = bodies.rowOf(body.id());
+        int row = bodies.rowOf(item);
+        if (eye >= 0 && row >= 0) {
+            sensed.load(bodies);
+        }
+        return item.equals(body.id()) || body.sensors.stream().anyMatch(sensor -> sensor.isUnlimited()
+                || eye >= 0 && row >= 0 && sensed.senses(sensor, eye, row));
     }
 
     private static ActionRefused noSuchAction(Item item, String wanted) {
@@ -98,7 +132,7 @@ public final class Members {
         Body body = take(world, join.agent(), join.body());
         bodies.put(join.agent(), body);
         world.raise(new WorldEvent(frame, "joined", fields("agent", join.agent(), "body", body.name())));
-        return new Outcome.Joined(frame, body.name());
+        return new Outcome.Joined(frame, body.name(), body.id(), body.sensors());
     }
 
     /** A body may be gone from the world already. */
@@ -153,7 +187,7 @@ public final class Members {
 
     private Body lend(Item item) {
         lent.add(item.name());
-        return new Body(item.id(), item.name(), false);
+        return new Body(item.id(), item.name(), false, item.sensors());
     }
 
     private static Body make(World world, String agent, ItemDefinition template) throws Ending {
@@ -163,7 +197,7 @@ public final class Members {
         }
         try {
             Item item = world.add(template.renamed(agent));
-            return new Body(item.id(), item.name(), true);
+            return new Body(item.id(), item.name(), true, item.sensors());
         } catch (RuntimeException e) {
             throw Ending.refused("no-body-free", "the body could not be made: " + e.getMessage(),
                     "correct agents.body in the world file");

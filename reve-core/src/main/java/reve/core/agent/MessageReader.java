@@ -14,7 +14,7 @@ import org.jspecify.annotations.Nullable;
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
 
-/** Reads what a client says from one line. Any thread. */
+/** Reads what a client says. Any thread. */
 final class MessageReader {
 
     static final int MAX_EVERY = 1_000_000;
@@ -28,12 +28,21 @@ final class MessageReader {
     private MessageReader() {}
 
     /** @throws BadMessage saying what is wrong, with the id of the message where it has a good one */
-    static ClientMessage read(ByteBuffer line) throws BadMessage {
-        JsonNode message = parse(decode(line));
+    static ClientMessage read(ByteBuffer bytes, Encoding encoding) throws BadMessage {
+        JsonNode message = encoding == Encoding.JSON ? parse(decode(bytes)) : unpack(bytes);
         if (!message.isObject()) {
-            throw new BadMessage(NO_ID, "not-an-object", "the line is JSON, but no object", EXAMPLE);
+            throw new BadMessage(NO_ID, "not-an-object", "the message is no object", EXAMPLE);
         }
         return read(message);
+    }
+
+    private static JsonNode unpack(ByteBuffer bytes) throws BadMessage {
+        try {
+            return MessagePackReader.read(bytes);
+        } catch (IllegalArgumentException e) {
+            throw new BadMessage(NO_ID, "bad-msgpack", "this is no MessagePack: " + e.getMessage(),
+                    "send 4 bytes of length, the highest first, and one map");
+        }
     }
 
     private static String decode(ByteBuffer line) throws BadMessage {
@@ -93,6 +102,7 @@ final class MessageReader {
         return switch (type.stringValue()) {
             case "hello" -> new ClientMessage.Hello(fields.id, (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
                     fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"),
+                    fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
                     fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.resume());
             case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
                     ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE,

@@ -26,6 +26,8 @@ final class Outbox {
     private int bytes;
     private @Nullable Line answer;
     private @Nullable Line latest;
+    private @Nullable View latestView;
+    private @Nullable View told;
     private boolean finished;
 
     Outbox(int maxMessages, int maxBytes) {
@@ -53,12 +55,35 @@ final class Outbox {
         }
     }
 
-    /** Puts the newest perception in the place of one that nobody has read. */
-    synchronized void offerLatest(Line perception) {
-        if (!finished) {
-            latest = perception;
-            notifyAll();
+    /** What the last perception of the stream that the client was handed showed; null before the first. */
+    synchronized @Nullable View told() {
+        return told;
+    }
+
+    /**
+     * Puts the newest perception in the place of one that nobody has read.
+     *
+     * @param base what it tells the difference to, null if it tells all
+     * @return false if the client was handed another one meanwhile
+     */
+    synchronized boolean offerLatest(Line perception, View view, @Nullable View base) {
+        if (finished) {
+            return true;
         }
+        if (told != base) {
+            return false;
+        }
+        latest = perception;
+        latestView = view;
+        notifyAll();
+        return true;
+    }
+
+    /** A new stream of perceptions begins. */
+    synchronized void restart() {
+        latest = null;
+        latestView = null;
+        told = null;
     }
 
     synchronized boolean hasAnswer() {
@@ -96,6 +121,7 @@ final class Outbox {
         } else {
             line = latest;
             latest = null;
+            told = latestView;
         }
         return line;
     }

@@ -1,6 +1,9 @@
 package reve.core.agent;
 
+import java.util.List;
 import java.util.Optional;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
 
 /** What became of an {@link AgentInput}. */
 public sealed interface Outcome {
@@ -8,8 +11,12 @@ public sealed interface Outcome {
     /** It took effect in that frame. */
     record Done(long frame) implements Outcome {}
 
-    /** The agent has that body since that frame. */
-    record Joined(long frame, String body) implements Outcome {}
+    /**
+     * The agent has that body since that frame.
+     *
+     * @param sensors it perceives with; none for everything
+     */
+    record Joined(long frame, String body, ItemId id, List<Sensor> sensors) implements Outcome {}
 
     /**
      * Nothing happened.

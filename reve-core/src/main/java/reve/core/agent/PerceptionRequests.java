@@ -1,6 +1,5 @@
 package reve.core.agent;
 
-import java.nio.charset.StandardCharsets;
 import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
 import reve.core.agent.Outbox.Line;
@@ -36,6 +35,7 @@ final class PerceptionRequests {
             everyId = perceive.id();
             everyFrom = published + 1;
             everyRelations = perceive.relations();
+            outbox.restart();
             return;
         }
         if (once || outbox.hasAnswer()) {
@@ -58,33 +58,48 @@ final class PerceptionRequests {
         return frame >= notBefore && (isOnceDue(frame) || isEveryDue(frame));
     }
 
-    /** What agents perceive of a frame. */
-    interface Bodies {
+    /** What the agent perceives of a frame. */
+    interface Views {
         /** @return empty if the frame is gone */
-        Optional<byte[]> of(boolean relations);
+        Optional<View> of(boolean relations);
     }
 
     /** Hands over what is due in a frame; false if the frame is gone. */
-    synchronized boolean serve(long frame, Bodies bodies) {
+    synchronized boolean serve(long frame, Views views, Encoding encoding, Telling telling) {
         if (frame >= notBefore && isOnceDue(frame)) {
-            Optional<byte[]> body = bodies.of(onceRelations);
-            if (body.isEmpty()) {
+            Optional<View> view = views.of(onceRelations);
+            if (view.isEmpty()) {
                 return false;
             }
             served.increment();
-            outbox.offerAnswer(new Line(head(onceId), body.get()));
+            outbox.offerAnswer(line(encoding, onceId, telling.whole(view.get(), encoding)));
             once = false;
         }
         if (frame >= notBefore && isEveryDue(frame)) {
-            Optional<byte[]> body = bodies.of(everyRelations);
-            if (body.isEmpty()) {
+            Optional<View> view = views.of(everyRelations);
+            if (view.isEmpty()) {
                 return false;
             }
             served.increment();
-            outbox.offerLatest(new Line(head(everyId), body.get()));
+            update(view.get(), encoding, telling);
             everyFrom = frame + every;
         }
         return true;
+    }
+
+    /** Tells the difference to what the client was handed last, whenever that is. */
+    private void update(View view, Encoding encoding, Telling telling) {
+        View base;
+        Line line;
+        do {
+            base = outbox.told();
+            line = line(encoding, everyId,
+                    base == null ? telling.whole(view, encoding) : telling.since(base, view, encoding));
+        } while (!outbox.offerLatest(line, view, base));
+    }
+
+    private static Line line(Encoding encoding, long id, View.Told told) {
+        return new Line(encoding.head("perception", id, told.fields(), told.bytes().length), told.bytes());
     }
 
     private boolean isOnceDue(long frame) {
@@ -93,10 +108,5 @@ final class PerceptionRequests {
 
     private boolean isEveryDue(long frame) {
         return every > 0 && frame >= everyFrom;
-    }
-
-    private static byte[] head(long id) {
-        String head = "{\"t\":\"perception\"," + (id == ClientMessage.NO_ID ? "" : "\"id\":" + id + ",");
-        return head.getBytes(StandardCharsets.US_ASCII);
     }
 }

@@ -1,7 +1,7 @@
 package reve.core.agent;
 
 import java.util.ArrayList;
-import java.util.HashMap;
+import java.util.EnumMap;
 import java.util.List;
 import java.util.Optional;
 import java.util.Queue;
@@ -24,9 +24,10 @@ final class Publisher {
     private final WorldPort port;
     private final RateLimitedLog log;
     private final Runnable afterFrame;
-    private final PerceptionEncoder encoder = new PerceptionEncoder();
+    private final Observatory observatory = new Observatory();
+    private final Telling telling = new Telling();
     private final Queue<Runnable> reports = new ConcurrentLinkedQueue<>();
-    private final Queue<List<WorldEvent>> events = new ConcurrentLinkedQueue<>();
+    private final Queue<Happened> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger eventFrames = new AtomicInteger();
     private final AtomicInteger lostEventFrames = new AtomicInteger();
     private final List<Session> members = new ArrayList<>();
@@ -34,6 +35,9 @@ final class Publisher {
     private volatile long published;
     private volatile boolean stopped;
     private long served;
+
+    /** The events of one frame. */
+    private record Happened(long frame, List<WorldEvent> events) {}
 
     /** @param afterFrame what else is to be done when a frame has passed, on the publisher's thread */
     Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame) {
@@ -59,7 +63,7 @@ final class Publisher {
         List<WorldEvent> happened = event.world().events();
         if (!happened.isEmpty()) {
             if (eventFrames.incrementAndGet() <= MAX_EVENT_FRAMES) {
-                events.add(happened);
+                events.add(new Happened(event.frame(), happened));
             } else {
                 eventFrames.decrementAndGet();
                 lostEventFrames.incrementAndGet();
@@ -103,15 +107,22 @@ final class Publisher {
     private void publish() {
         members.removeIf(Session::hasLeft);
         // First the snapshot, then events, then commands: so that whoever perceives a frame has been told before
-        // what happened in it, and whoever joined in a frame is there to hear its events.
+        // what happened in it, and whoever joined in a frame is there to hear its events. Events wait for the
+        // snapshot of their frame, which says who perceives what they are about.
         Optional<WorldSnapshot> snapshot = unservedSnapshot();
         try {
-            List<WorldEvent> news = takeEvents();
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
                 report.run();
             }
-            news.forEach(this::tell);
-            snapshot.ifPresent(this::serve);
+            boolean wanted = snapshot.filter(frame -> isWanted(frame, !events.isEmpty())).isPresent();
+            if (wanted && !observatory.read(snapshot.get())) {
+                return; // overwritten while we read: the next frame is here already
+            }
+            served = snapshot.map(WorldSnapshot::frame).orElse(served);
+            tellEvents();
+            if (wanted) {
+                serve(snapshot.get());
+            }
         } finally {
             snapshot.ifPresent(WorldSnapshot::close);
         }
@@ -130,34 +141,52 @@ final class Publisher {
         return latest;
     }
 
-    private List<WorldEvent> takeEvents() {
+    /** All events of the frames up to the one that is served: they were here before its snapshot. */
+    private void tellEvents() {
         int lost = lostEventFrames.getAndSet(0);
         if (lost > 0) {
             log.warn("agents will never hear the events of " + lost + " frames: too many were waiting");
         }
-        var news = new ArrayList<WorldEvent>();
-        for (List<WorldEvent> frame = events.poll(); frame != null; frame = events.poll()) {
+        for (Happened next = events.peek(); next != null && next.frame <= served; next = events.peek()) {
+            events.remove();
             eventFrames.decrementAndGet();
-            news.addAll(frame);
+            next.events.forEach(this::tell);
         }
-        return news;
+    }
+
+    /** Whether anybody perceives a frame, or has to be able to perceive what events are about. */
+    private boolean isWanted(WorldSnapshot snapshot, boolean news) {
+        long frame = snapshot.frame();
+        return members.stream().anyMatch(member -> member.perceptions().isDue(frame)
+                || news && member.hasSensors());
     }
 
     private void tell(WorldEvent event) {
-        byte[] line = new ServerMessage.Event(event.frame(), event.type(), event.fields()).line();
-        members.forEach(member -> member.tell(event.frame(), line));
+        var message = new ServerMessage.Event(event.frame(), event.type(), event.fields());
+        var encoded = new EnumMap<Encoding, byte[]>(Encoding.class);
+        for (Session member : members) {
+            if (member.hasSensors()) {
+                member.hear(event, observatory, this::bodyOf);
+            } else {
+                member.tell(message, encoded.computeIfAbsent(member.encoding(), message::in));
+            }
+        }
+    }
+
+    private Optional<String> bodyOf(String agent) {
+        return members.stream().filter(member -> member.name().equals(agent)).findFirst().flatMap(Session::body);
     }
 
     private void serve(WorldSnapshot snapshot) {
-        long frame = snapshot.frame();
-        var bodies = new HashMap<Boolean, Optional<byte[]>>();
-        PerceptionRequests.Bodies encoded = relations ->
-                bodies.computeIfAbsent(relations, asked -> encoder.encode(snapshot, asked));
+        View everything = observatory.everything();
+        telling.begin(everything);
         for (Session member : members) {
-            if (member.perceptions().isDue(frame) && !member.perceptions().serve(frame, encoded)) {
+            PerceptionRequests perceptions = member.perceptions();
+            if (perceptions.isDue(everything.frame()) && !perceptions.serve(everything.frame(),
+                    relations -> relations ? observatory.withRelations(member.look(observatory), snapshot)
+                            : Optional.of(member.look(observatory)), member.encoding(), telling)) {
                 return; // overwritten while we read: the next frame is here already
             }
         }
-        served = frame;
     }
 }

@@ -1,9 +1,8 @@
 package reve.core.agent;
 
-import java.io.ByteArrayOutputStream;
+import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
-import tools.jackson.core.JsonGenerator;
 
 /** What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID} where it answers none. */
 sealed interface ServerMessage {
@@ -20,13 +19,14 @@ sealed interface ServerMessage {
 
     /** @param body of a client of the role agent */
     record Welcome(long id, int protocol, Role role, String agent, Optional<String> body, String world, long frame,
-            int rate, Optional<Ticket> session, boolean resumed, Limits limits) implements ServerMessage {}
+            int rate, Encoding encoding, Optional<Ticket> session, boolean resumed, Limits limits)
+            implements ServerMessage {}
 
     record Accepted(long id, long frame) implements ServerMessage {}
 
     record Refused(long id, String code, String reason) implements ServerMessage {}
 
-    /** @param fields String, Number or Boolean by name */
+    /** @param fields String, Number, Boolean or a List of these by name */
     record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {}
 
     record Error(long id, String code, String message, String hint) implements ServerMessage {}
@@ -37,24 +37,52 @@ sealed interface ServerMessage {
 
     record Bye(String code, String message, Optional<String> hint) implements ServerMessage {}
 
-    /** The line that says it, with its end. */
-    default byte[] line() {
-        var bytes = new ByteArrayOutputStream(256);
-        try (JsonGenerator json = Json.MAPPER.createGenerator(bytes)) {
-            json.writeStartObject();
-            json.writeStringProperty("t", type(this));
-            if (id() != ClientMessage.NO_ID) {
-                json.writeNumberProperty("id", id());
-            }
-            writeFields(this, json);
-            json.writeEndObject();
-        }
-        bytes.write('\n');
-        return bytes.toByteArray();
+    /** The message as it goes over the wire. */
+    default byte[] in(Encoding encoding) {
+        Map<String, Object> fields = fields();
+        return encoding.frame(encoding.value(writer -> writer.value(fields)));
     }
 
-    private static String type(ServerMessage message) {
-        return switch (message) {
+    private Map<String, Object> fields() {
+        var fields = new LinkedHashMap<String, Object>();
+        fields.put("t", type());
+        if (id() != ClientMessage.NO_ID) {
+            fields.put("id", id());
+        }
+        switch (this) {
+            case Welcome welcome -> putWelcome(welcome, fields);
+            case Accepted accepted -> {
+                fields.put("accepted", true);
+                fields.put("frame", accepted.frame);
+            }
+            case Refused refused -> {
+                fields.put("accepted", false);
+                fields.put("code", refused.code);
+                fields.put("reason", refused.reason);
+            }
+            case Event event -> {
+                fields.put("frame", event.frame);
+                fields.put("type", event.type);
+                fields.put("fields", event.fields);
+            }
+            case Error error -> {
+                fields.put("code", error.code);
+                fields.put("message", error.message);
+                fields.put("hint", error.hint);
+            }
+            case Bye bye -> {
+                fields.put("code", bye.code);
+                fields.put("message", bye.message);
+                bye.hint.ifPresent(hint -> fields.put("hint", hint));
+            }
+            case Ping ping -> { }
+            case Pong pong -> { }
+        }
+        return fields;
+    }
+
+    private String type() {
+        return switch (this) {
             case Welcome welcome -> "welcome";
             case Accepted accepted -> "result";
             case Refused refused -> "result";
@@ -66,65 +94,31 @@ sealed interface ServerMessage {
         };
     }
 
-    private static void writeFields(ServerMessage message, JsonGenerator json) {
-        switch (message) {
-            case Welcome welcome -> writeWelcome(welcome, json);
-            case Accepted accepted -> {
-                json.writeBooleanProperty("accepted", true);
-                json.writeNumberProperty("frame", accepted.frame);
-            }
-            case Refused refused -> {
-                json.writeBooleanProperty("accepted", false);
-                json.writeStringProperty("code", refused.code);
-                json.writeStringProperty("reason", refused.reason);
-            }
-            case Event event -> {
-                json.writeNumberProperty("frame", event.frame);
-                json.writeStringProperty("type", event.type);
-                json.writeObjectPropertyStart("fields");
-                event.fields.forEach((name, value) -> {
-                    json.writeName(name);
-                    Json.writeValue(json, value);
-                });
-                json.writeEndObject();
-            }
-            case Error error -> {
-                json.writeStringProperty("code", error.code);
-                json.writeStringProperty("message", error.message);
-                json.writeStringProperty("hint", error.hint);
-            }
-            case Bye bye -> {
-                json.writeStringProperty("code", bye.code);
-                json.writeStringProperty("message", bye.message);
-                bye.hint.ifPresent(hint -> json.writeStringProperty("hint", hint));
-            }
-            case Ping ping -> { }
-            case Pong pong -> { }
+    private static void putWelcome(Welcome welcome, Map<String, Object> fields) {
+        fields.put("protocol", welcome.protocol);
+        fields.put("role", welcome.role.wireName());
+        fields.put("agent", welcome.agent);
+        welcome.body.ifPresent(body -> fields.put("body", body));
+        fields.put("world", welcome.world);
+        fields.put("frame", welcome.frame);
+        fields.put("rate", welcome.rate);
+        if (welcome.encoding != Encoding.JSON) {
+            fields.put("encoding", welcome.encoding.wireName());
         }
-    }
-
-    private static void writeWelcome(Welcome welcome, JsonGenerator json) {
-        json.writeNumberProperty("protocol", welcome.protocol);
-        json.writeStringProperty("role", welcome.role.wireName());
-        json.writeStringProperty("agent", welcome.agent);
-        welcome.body.ifPresent(body -> json.writeStringProperty("body", body));
-        json.writeStringProperty("world", welcome.world);
-        json.writeNumberProperty("frame", welcome.frame);
-        json.writeNumberProperty("rate", welcome.rate);
         welcome.session.ifPresent(session -> {
-            json.writeObjectPropertyStart("session");
-            json.writeStringProperty("token", session.token);
-            json.writeNumberProperty("graceSeconds", session.graceSeconds);
-            json.writeEndObject();
+            var ticket = new LinkedHashMap<String, Object>();
+            ticket.put("token", session.token);
+            ticket.put("graceSeconds", session.graceSeconds);
+            fields.put("session", ticket);
         });
         if (welcome.resumed) {
-            json.writeBooleanProperty("resumed", true);
+            fields.put("resumed", true);
         }
-        json.writeObjectPropertyStart("limits");
-        json.writeNumberProperty("lineBytes", welcome.limits.lineBytes);
-        json.writeNumberProperty("actsInFlight", welcome.limits.actsInFlight);
-        json.writeNumberProperty("idleSeconds", welcome.limits.idleSeconds);
-        json.writeNumberProperty("graceSeconds", welcome.limits.graceSeconds);
-        json.writeEndObject();
+        var limits = new LinkedHashMap<String, Object>();
+        limits.put("lineBytes", welcome.limits.lineBytes);
+        limits.put("actsInFlight", welcome.limits.actsInFlight);
+        limits.put("idleSeconds", welcome.limits.idleSeconds);
+        limits.put("graceSeconds", welcome.limits.graceSeconds);
+        fields.put("limits", limits);
     }
 }

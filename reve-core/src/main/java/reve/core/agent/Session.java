@@ -7,7 +7,9 @@ import java.util.HexFormat;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.Function;
 import org.jspecify.annotations.Nullable;
+import reve.core.world.WorldEvent;
 
 /**
  * One client from its hello to its leave: who it is, what it has asked for, which commands it has given. It outlives
@@ -28,6 +30,9 @@ final class Session {
     private final double graceSeconds;
     private final String token;
 
+    /** Publisher's thread; null for who perceives everything. */
+    private @Nullable Senses senses;
+
     // Guarded by this.
     private final CommandLog commands = new CommandLog();
     private final EventLog events;
@@ -39,6 +44,7 @@ final class Session {
 
     /** Null while the connection is broken. Changes with this held. */
     private volatile @Nullable Connection connection;
+    private volatile Encoding encoding;
     private volatile PerceptionRequests perceptions;
     private volatile long joinedInFrame;
     private volatile boolean left;
@@ -54,6 +60,7 @@ final class Session {
         this.token = newToken();
         this.events = new EventLog(config.outboxMessages(), config.outboxBytes());
         this.connection = connection;
+        this.encoding = connection.encoding();
         this.perceptions = new PerceptionRequests(connection.outbox(), counters.perceptions);
     }
 
@@ -79,6 +86,10 @@ final class Session {
         return joinedInFrame;
     }
 
+    Encoding encoding() {
+        return encoding;
+    }
+
     PerceptionRequests perceptions() {
         return perceptions;
     }
@@ -99,7 +110,12 @@ final class Session {
     /** The agent has its body, or cannot have one. */
     void joined(Outcome outcome) {
         switch (outcome) {
-            case Outcome.Joined joined -> welcome(Optional.of(joined.body()), joined.frame());
+            case Outcome.Joined joined -> {
+                if (!joined.sensors().isEmpty()) {
+                    senses = new Senses(joined.id(), joined.sensors());
+                }
+                welcome(Optional.of(joined.body()), joined.frame());
+            }
             case Outcome.Refused no -> end(Ending.refused(no.code(), no.reason(), no.hint().orElse("")));
             case Outcome.Failed failed -> {
                 server.log().error(this + " could not join", failed.cause());
@@ -123,22 +139,42 @@ final class Session {
             counters.agents.increment();
         }
         perceptions.notBefore(frame);
-        offer(server.welcome(this, hello, frame, false).line());
+        offer(server.welcome(this, hello, frame, false));
         server.admit(this);
         server.log().info(this + " joined" + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
-    /** Tells what happened in a frame. */
-    void tell(long frame, byte[] event) {
-        if (frame < joinedInFrame) {
+    /** True if it perceives only what the sensors of its body sense. */
+    boolean hasSensors() {
+        return senses != null;
+    }
+
+    /** What it perceives of the newest frame. */
+    View look(Observatory world) {
+        return senses == null ? world.everything() : senses.look(world);
+    }
+
+    /** Tells what its sensors let it know of an event. */
+    void hear(WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
+        if (senses != null) {
+            senses.hear(event, world, bodyOf).ifPresent(fields -> {
+                var message = new ServerMessage.Event(event.frame(), event.type(), fields);
+                tell(message, message.in(encoding));
+            });
+        }
+    }
+
+    /** Tells what happened in a frame. @param encoded the event as it goes over the wire */
+    void tell(ServerMessage.Event event, byte[] encoded) {
+        if (event.frame() < joinedInFrame) {
             return;
         }
         boolean room;
         synchronized (this) {
             if (graceSeconds > 0) {
-                events.add(frame, event);
+                events.add(event, encoded.length);
             }
-            room = offer(event);
+            room = offer(encoded);
         }
         if (!room) {
             end(Ending.cut("too-slow", "too many events wait to be read"));
@@ -156,7 +192,7 @@ final class Session {
             commands.finish(request.id(), result);
             lastResultFrame = Math.max(lastResultFrame, frame);
             perceptions.notBefore(lastResultFrame);
-            room = offer(result.line());
+            room = offer(result);
         }
         if (!room) {
             end(Ending.cut("too-slow", "too many results wait to be read"));
@@ -230,13 +266,14 @@ final class Session {
     void resume(Connection next, long frameSeen) throws Ending {
         Connection previous;
         synchronized (this) {
-            List<byte[]> missed = events.after(frameSeen).orElseThrow(() -> Ending.refused("resume-too-late",
+            List<ServerMessage.Event> missed = events.after(frameSeen).orElseThrow(() -> Ending.refused("resume-too-late",
                     "not all events since frame " + frameSeen + " are remembered", "say hello without resume"));
             previous = connection;
             connection = next;
+            encoding = next.encoding();
             perceptions = new PerceptionRequests(next.outbox(), counters.perceptions);
             perceptions.notBefore(lastResultFrame);
-            offer(server.welcome(this, hello, server.published(), true).line());
+            offer(server.welcome(this, hello, server.published(), true));
             missed.forEach(this::offer);
         }
         if (previous != null) {
@@ -294,7 +331,7 @@ final class Session {
     private void send(ServerMessage message) {
         Connection now = connection;
         if (now != null) {
-            now.send(message.line());
+            now.send(message);
         }
     }
 
@@ -303,6 +340,10 @@ final class Session {
         if (now != null) {
             now.end(why);
         }
+    }
+
+    private boolean offer(ServerMessage message) {
+        return offer(message.in(encoding));
     }
 
     /** With this held. @return false if the client has let too much pile up */

@@ -26,6 +26,7 @@ final class ItemReader {
     private final PhysicsReader physics;
     private final PhysicalReader physical;
     private final ActionReader actions;
+    private final SensorReader sensors;
     /** The items of the file by name; of several with one name, the first. */
     private final Map<String, Entry> byName = new LinkedHashMap<>();
     private final List<Reference> references = new ArrayList<>();
@@ -51,6 +52,7 @@ final class ItemReader {
         this.physics = physics;
         this.physical = new PhysicalReader(prototype, physics, assets, problems);
         this.actions = new ActionReader(physics, this::readCreated, problems);
+        this.sensors = new SensorReader(problems);
     }
 
     /** All items under {@code items}, without those that have a problem. */
@@ -239,6 +241,13 @@ final class ItemReader {
             Optional<Action> read = actions.read(action, owner);
             read.ifPresent(item::action);
         }
+        node.get("sensors").ifPresent(all -> {
+            if (kind.equals(WorldPrototype.BODY)) {
+                all.children().forEach(sensor -> sensors.read(sensor).ifPresent(item::sensor));
+            } else {
+                problems.addAtKey(all, "only items of kind body have `sensors`, this is a " + kind);
+            }
+        });
     }
 
     private void readSymbols(Node aspect, ItemDefinition.Builder item) {

@@ -5,6 +5,7 @@ import java.nio.IntBuffer;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Locale;
 import java.util.Map;
 import java.util.TreeMap;
 import reve.core.world.Action;
@@ -15,6 +16,7 @@ import reve.core.world.Material;
 import reve.core.world.Mesh;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import reve.core.world.Texture;
 import reve.core.world.WorldPrototype;
@@ -52,6 +54,7 @@ public final class ItemWriter {
         putIfAny(tree, "semantic", symbols(item.given()));
         putIfAny(tree, "access", actions(item.name(), item.actions()));
         putCapabilities(tree, item.capabilities());
+        putIfAny(tree, "sensors", sensors(item.sensors()));
         return YamlWriter.write(tree);
     }
 
@@ -84,6 +87,39 @@ public final class ItemWriter {
         putIfAny(tree, "access", actions(item.name(), item.actions()));
         putCapabilities(tree, item.capabilities());
         putIfAny(tree, "physics", physics(item));
+        putIfAny(tree, "sensors", sensors(item.sensors()));
+    }
+
+    private static Map<String, Object> sensors(List<Sensor> sensors) {
+        Map<String, Object> all = new LinkedHashMap<>();
+        sensors.forEach(sensor -> all.put(sensor.name(), sensor(sensor)));
+        return all;
+    }
+
+    /** Without what a sensor has unless something else is said. */
+    private static Map<String, Object> sensor(Sensor sensor) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        if (sensor.touch()) {
+            tree.put("touch", true);
+        }
+        if (sensor.range() != (sensor.touch() ? Sensor.TOUCH_RANGE : Double.POSITIVE_INFINITY)) {
+            tree.put("range", YamlWriter.Numeral.of(sensor.range()));
+        }
+        if (sensor.fieldOfView() != Sensor.ALL_ROUND) {
+            tree.put("fieldOfView", YamlWriter.Numeral.of(sensor.fieldOfView()));
+        }
+        if (sensor.lineOfSight()) {
+            tree.put("lineOfSight", true);
+        }
+        if (sensor.every() != 1) {
+            tree.put("every", YamlWriter.Numeral.of(sensor.every()));
+        }
+        sensor.symbols().ifPresent(names -> tree.put("symbols", List.copyOf(names)));
+        if (sensor.aspects().size() < Sensor.Aspect.values().length) {
+            tree.put("aspects", sensor.aspects().stream().sorted()
+                    .map(aspect -> aspect.name().toLowerCase(Locale.ROOT)).toList());
+        }
+        return tree;
     }
 
     private static void putIfAny(Map<String, Object> tree, String key, Map<String, Object> aspect) {

@@ -59,6 +59,11 @@ public final class Item {
         return new AccessAspect(this);
     }
 
+    /** What an agent that has the item as its body perceives with; none for everything. */
+    public List<Sensor> sensors() {
+        return symbols.sensors();
+    }
+
     /** What physics laws see of it; empty for scenery. */
     public PhysicsAspect physics() {
         return new PhysicsAspect(this);

@@ -28,6 +28,7 @@ public final class ItemDefinition {
     private final Map<String, Object> symbols;
     private final List<Action> actions;
     private final List<String> capabilities;
+    private final List<Sensor> sensors;
     private final Map<String, double[]> numbers;
     private final Map<String, List<String>> references;
 
@@ -45,6 +46,7 @@ public final class ItemDefinition {
         symbols = Collections.unmodifiableMap(new LinkedHashMap<>(builder.symbols));
         actions = List.copyOf(builder.actions);
         capabilities = List.copyOf(builder.capabilities);
+        sensors = List.copyOf(builder.sensors);
         numbers = new LinkedHashMap<>(builder.numbers);
         references = new LinkedHashMap<>(builder.references);
     }
@@ -76,6 +78,7 @@ public final class ItemDefinition {
         now.symbols.putAll(item.symbols().given());
         now.actions.addAll(item.symbols().actions());
         now.capabilities.addAll(item.symbols().capabilities());
+        now.sensors.addAll(item.symbols().sensors());
         for (String name : item.physics().properties()) {
             Column column = item.table().physicsColumn(name);
             if (column.type() == ScalarType.REF) {
@@ -119,6 +122,7 @@ public final class ItemDefinition {
         copy.symbols.putAll(symbols);
         copy.actions.addAll(actions);
         copy.capabilities.addAll(capabilities);
+        copy.sensors.addAll(sensors);
         copy.numbers.putAll(numbers);
         copy.references.putAll(references);
         return copy;
@@ -175,6 +179,11 @@ public final class ItemDefinition {
         return capabilities;
     }
 
+    /** What an agent that has the item as its body perceives with. */
+    public List<Sensor> sensors() {
+        return sensors;
+    }
+
     /** True if the item takes part in physics, else it is scenery. */
     public boolean hasPhysics() {
         return !numbers.isEmpty() || !references.isEmpty();
@@ -215,6 +224,7 @@ public final class ItemDefinition {
         private final Map<String, Object> symbols = new LinkedHashMap<>();
         private final List<Action> actions = new ArrayList<>();
         private final Set<String> capabilities = new LinkedHashSet<>();
+        private final List<Sensor> sensors = new ArrayList<>();
         private final Map<String, double[]> numbers = new LinkedHashMap<>();
         private final Map<String, List<String>> references = new LinkedHashMap<>();
 
@@ -294,6 +304,16 @@ public final class ItemDefinition {
         /** Something that the item, as the body of an agent, can do with others: {@code grip}. */
         public Builder capability(String capability) {
             capabilities.add(Names.require("capability of item " + name, capability));
+            return this;
+        }
+
+        /** How an agent that has the item as its body perceives; without any it perceives everything. */
+        public Builder sensor(Sensor sensor) {
+            if (sensors.stream().anyMatch(other -> other.name().equals(sensor.name()))) {
+                throw new IllegalArgumentException(
+                        "item " + name + " has two sensors named " + sensor.name());
+            }
+            sensors.add(sensor);
             return this;
         }
 

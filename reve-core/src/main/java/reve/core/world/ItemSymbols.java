@@ -18,11 +18,13 @@ import org.pcollections.TreePMap;
  * @param derived the symbols that rules give the item, in the same way
  * @param actions what can be done with the item
  * @param capabilities what the item can do with others
+ * @param sensors what an agent that has the item as its body perceives with; none for everything
  * @param attachment what the item moves with, null for nothing
  */
 public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
         Optional<Material> material, PMap<String, Object> given, PMap<String, Object> derived,
-        List<Action> actions, List<String> capabilities, @Nullable Attachment attachment) {
+        List<Action> actions, List<String> capabilities, List<Sensor> sensors,
+        @Nullable Attachment attachment) {
 
     private static final ItemId NOBODY = new ItemId(1);
 
@@ -42,7 +44,7 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     public ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition.name(), definition.kind(), definition.shape(),
                 definition.material(), given(definition.symbols()), NO_SYMBOLS,
-                definition.actions(), definition.capabilities(), null);
+                definition.actions(), definition.capabilities(), definition.sensors(), null);
     }
 
     /** A designer's symbol, or a standard one: see {@link #symbols()}. */
@@ -88,13 +90,13 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
 
     ItemSymbols withDerived(PMap<String, Object> newDerived) {
         return new ItemSymbols(id, name, kind, shape, material, given, newDerived, actions,
-                capabilities, attachment);
+                capabilities, sensors, attachment);
     }
 
     /** All but id, name, symbols and attachment: equal for items that are alike in the rest. */
     public ItemSymbols likeness() {
         return new ItemSymbols(NOBODY, "item", kind, shape, material, TreePMap.empty(),
-                TreePMap.empty(), actions, capabilities, null);
+                TreePMap.empty(), actions, capabilities, sensors, null);
     }
 
     /** The same with other symbols of the designer's, which are not checked. */
@@ -104,33 +106,33 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
 
     ItemSymbols renamed(String newName) {
         return new ItemSymbols(id, newName, kind, shape, material, given, derived, actions,
-                capabilities, attachment);
+                capabilities, sensors, attachment);
     }
 
     ItemSymbols with(Shape newShape) {
         return new ItemSymbols(id, name, kind, newShape, material, given, derived, actions,
-                capabilities, attachment);
+                capabilities, sensors, attachment);
     }
 
     ItemSymbols with(List<Action> newActions) {
         return new ItemSymbols(id, name, kind, shape, material, given, derived, newActions,
-                capabilities, attachment);
+                capabilities, sensors, attachment);
     }
 
     /** The same with another attachment. */
     public ItemSymbols attached(@Nullable Attachment newAttachment) {
         return new ItemSymbols(id, name, kind, shape, material, given, derived, actions,
-                capabilities, newAttachment);
+                capabilities, sensors, newAttachment);
     }
 
     ItemSymbols with(Optional<Material> newMaterial) {
         return new ItemSymbols(id, name, kind, shape, newMaterial, given, derived, actions,
-                capabilities, attachment);
+                capabilities, sensors, attachment);
     }
 
     private ItemSymbols with(PMap<String, Object> newGiven) {
         return new ItemSymbols(id, name, kind, shape, material, newGiven, derived, actions,
-                capabilities, attachment);
+                capabilities, sensors, attachment);
     }
 
     private List<Double> dimensions() {

@@ -11,6 +11,7 @@ import java.util.function.BooleanSupplier;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
+import reve.core.derive.DerivedColumns;
 import reve.core.file.AgentPolicy;
 import reve.core.frame.CommandQueue;
 import reve.core.frame.FrameBus;
@@ -51,10 +52,16 @@ final class AgentRoom implements AutoCloseable {
     }
 
     AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity) throws IOException {
-        world.add(duck());
+        this(config, policy, commandCapacity, List.of(duck()));
+    }
+
+    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity, List<ItemDefinition> items)
+            throws IOException {
+        items.forEach(world::add);
         var bus = new FrameBus();
         commands = new CommandQueue(commandCapacity);
         commands.subscribeTo(bus);
+        DerivedColumns.subscribeTo(bus);
         var snapshots = new SnapshotRing(world, 3);
         bus.subscribe(FramePhase.PUBLISH, "snapshots",
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
@@ -85,7 +92,7 @@ final class AgentRoom implements AutoCloseable {
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
         return new AgentServerConfig(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 1024, 8192, hello,
-                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofMillis(500), 4, 64, 64 * 1024, 8);
+                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofMillis(500), 4, 64, 64 * 1024, 8, Optional.empty());
     }
 
     /** One frame. */

@@ -60,12 +60,53 @@ class MessagesTest {
     void aBadLineIsRefusedWithItsCode(JsonNode vector) {
         byte[] line = vector.has("bytes") ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
                 : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
-        assertThatThrownBy(() -> MessageReader.read(ByteBuffer.wrap(line)))
+        assertThatThrownBy(() -> MessageReader.read(ByteBuffer.wrap(line), Encoding.JSON))
                 .isInstanceOfSatisfying(BadMessage.class, e -> {
                     assertThat(e.error().code()).isEqualTo(vector.get("code").stringValue());
                     assertThat(e.error().message()).isNotBlank();
                     assertThat(e.error().hint()).isNotBlank();
                 });
+    }
+
+    @ParameterizedTest
+    @MethodSource("packedMessages")
+    void aPackedMessageOfAClientMeansTheSame(JsonNode vector) throws BadMessage {
+        byte[] frame = bytes(vector);
+        ByteBuffer packed = ByteBuffer.wrap(frame, Encoding.LENGTH_BYTES, frame.length - Encoding.LENGTH_BYTES);
+        assertThat(ByteBuffer.wrap(frame).getInt()).isEqualTo(packed.remaining());
+        assertThat(MessageReader.read(packed.slice(), Encoding.MESSAGEPACK))
+                .isEqualTo(read(vector.get("message").toString()));
+    }
+
+    @ParameterizedTest
+    @MethodSource("packedRefused")
+    void aBadPackedMessageIsRefusedWithItsCode(JsonNode vector) {
+        byte[] frame = bytes(vector);
+        ByteBuffer packed = ByteBuffer.wrap(frame, Encoding.LENGTH_BYTES, frame.length - Encoding.LENGTH_BYTES);
+        assertThatThrownBy(() -> MessageReader.read(packed.slice(), Encoding.MESSAGEPACK))
+                .isInstanceOfSatisfying(BadMessage.class,
+                        e -> assertThat(e.error().code()).isEqualTo(vector.get("code").stringValue()));
+    }
+
+    @ParameterizedTest
+    @MethodSource("serverMessages")
+    void aServersMessageIsPackedWithTheSameFields(JsonNode message) {
+        ByteBuffer frame = ByteBuffer.wrap(message(message).in(Encoding.MESSAGEPACK));
+        assertThat(frame.getInt()).isEqualTo(frame.remaining());
+        Vectors.assertSame(MessagePackReader.read(frame.slice()), message);
+    }
+
+    static Stream<JsonNode> packedMessages() {
+        return Vectors.lines("packed.jsonl").stream()
+                .filter(vector -> vector.get("from").stringValue().equals("client"));
+    }
+
+    static Stream<JsonNode> packedRefused() {
+        return Vectors.lines("packed-refused.jsonl").stream();
+    }
+
+    private static byte[] bytes(JsonNode vector) {
+        return HexFormat.of().parseHex(vector.get("bytes").stringValue());
     }
 
     @Test
@@ -79,14 +120,14 @@ class MessagesTest {
     @ParameterizedTest
     @MethodSource("serverMessages")
     void aServersMessageIsWrittenAsDocumented(JsonNode message) {
-        byte[] line = message(message).line();
+        byte[] line = message(message).in(Encoding.JSON);
         assertThat(line).endsWith('\n').containsOnlyOnce('\n');
         Vectors.assertSame(JSON.readTree(line), message);
     }
 
     @Test
     void whatIsNotFiniteInAnEventLeavesTheLineValid() {
-        byte[] line = new ServerMessage.Event(1, "fault", Map.of("value", Double.NaN)).line();
+        byte[] line = new ServerMessage.Event(1, "fault", Map.of("value", Double.NaN)).in(Encoding.JSON);
         assertThat(JSON.readTree(line).at("/fields/value").stringValue()).isEqualTo("NaN");
     }
 
@@ -99,7 +140,7 @@ class MessagesTest {
     }
 
     private static ClientMessage read(String line) throws BadMessage {
-        return MessageReader.read(ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)));
+        return MessageReader.read(ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)), Encoding.JSON);
     }
 
     /** The message as a client would write it. */
@@ -116,6 +157,9 @@ class MessagesTest {
                     json.put("role", hello.role());
                 }
                 hello.body().ifPresent(body -> json.put("body", body));
+                if (!hello.encoding().equals("json")) {
+                    json.put("encoding", hello.encoding());
+                }
                 if (hello.graceSeconds() > 0) {
                     json.put("graceSeconds", hello.graceSeconds());
                 }
@@ -157,6 +201,7 @@ class MessagesTest {
                     Role.of(text(json, "role")).orElseThrow(), text(json, "agent"),
                     json.optional("body").map(JsonNode::stringValue), text(json, "world"),
                     json.get("frame").longValue(), json.get("rate").intValue(),
+                    Encoding.of(json.path("encoding").asString("json")).orElseThrow(),
                     json.optional("session").map(session -> new ServerMessage.Ticket(text(session, "token"),
                             session.get("graceSeconds").doubleValue())), json.has("resumed"),
                     new ServerMessage.Limits(json.at("/limits/lineBytes").intValue(),

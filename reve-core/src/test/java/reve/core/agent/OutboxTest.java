@@ -14,7 +14,7 @@ class OutboxTest {
 
     @Test
     void whatHappenedComesBeforeThePerceptionsThatShowIt() throws InterruptedException {
-        outbox.offerLatest(perception("latest"));
+        outbox.offerLatest(perception("latest"), view(1), null);
         outbox.offerAnswer(perception("answer"));
         outbox.offer(bytes("event"));
         assertThat(List.of(take(), take(), take())).containsExactly("event", "answer", "latest");
@@ -27,7 +27,7 @@ class OutboxTest {
         outbox.offer(bytes("result"));
         outbox.offer(bytes("event"));
         outbox.offerAnswer(perception("answer"));
-        outbox.offerLatest(perception("latest"));
+        outbox.offerLatest(perception("latest"), view(1), null);
         outbox.finish(bytes("bye"));
         outbox.offer(bytes("too late"));
         var told = new ArrayList<String>();
@@ -47,6 +47,24 @@ class OutboxTest {
             assertThat(outbox.offer(new byte[51])).as("101 bytes").isFalse();
             outbox.take();
         }
+    }
+
+    @Test
+    void aDifferenceIsTakenOnlyToWhatTheClientWasHandedLast() throws InterruptedException {
+        View first = view(1);
+        assertThat(outbox.offerLatest(perception("first"), first, null)).isTrue();
+        assertThat(outbox.offerLatest(perception("second"), view(2), null)).as("nobody has read the first").isTrue();
+        take();
+        assertThat(outbox.told()).isEqualTo(view(2));
+        assertThat(outbox.offerLatest(perception("third"), view(3), first)).isFalse();
+        assertThat(outbox.offerLatest(perception("third"), view(3), outbox.told())).isTrue();
+        outbox.restart();
+        assertThat(outbox.isEmpty()).isTrue();
+        assertThat(outbox.told()).isNull();
+    }
+
+    private static View view(long frame) {
+        return new View(frame, 0, List.of());
     }
 
     private String take() throws InterruptedException {

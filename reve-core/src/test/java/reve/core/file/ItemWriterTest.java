@@ -170,6 +170,7 @@ class ItemWriterTest {
         assertThat(RandomItems.bits(expected.location(), item.location())).as(what).isTrue();
         assertThat(RandomItems.bits(expected.orientation(), item.orientation())).as(what).isTrue();
         assertThat(item.symbols()).as(what).isEqualTo(expected.symbols());
+        assertThat(item.sensors()).as(what).isEqualTo(expected.sensors());
         assertThat(item.physicsProperties()).as(what)
                 .containsExactlyInAnyOrderElementsOf(expected.physicsProperties());
         for (String property : expected.physicsProperties()) {

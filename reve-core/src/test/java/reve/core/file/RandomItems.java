@@ -2,9 +2,11 @@ package reve.core.file;
 
 import java.util.Arrays;
 import java.util.Random;
+import java.util.Set;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 
@@ -47,6 +49,12 @@ final class RandomItems {
                 Arrays.setAll(values, i -> real(random, prototype));
                 item.physics(property.name(), values);
             }
+        }
+        if (random.nextInt(4) == 0) {
+            item.sensor(Sensor.sight("eyes", random.nextDouble() * 100 + 0.1)
+                    .withFieldOfView(random.nextDouble() * 3 + 0.1).withLineOfSight()
+                    .withEvery(1 + random.nextInt(9)).withSymbols(Set.of("s1", "class")));
+            item.sensor(Sensor.touch("skin").withAspects(Set.of(Sensor.Aspect.ACCESS)));
         }
         return item.build();
     }

@@ -66,7 +66,7 @@ class WorldFileProblemsTest {
             agents: {}                            ! 9  ! agents: found a mapping, expected at least 1 in it
             agents: {bodies: [on]}                ! 19 ! bodies[0]: no item is named `on`; did you mean `one`?
             agents: {bodies: [one, one]}          ! 24 ! bodies[1]: `one` is listed twice
-            agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, capabilities, physics
+            agents: {body: {name: x}}             ! 17 ! unknown key `name`; known here: like, physical, semantic, access, capabilities, physics, sensors
             properties: [{name: mass, kind: body}]! 21 ! property mass of kind body: the name is already taken by a property of kind body
             properties: [{name: position, kind: lamp}] ! 21 ! property position of kind body: the name is already taken by a property of kind lamp
             properties: [{name: 9a, kind: body}]  ! 21 ! name: found text `9a`, expected a letter, then letters, digits or _, at most 47 in all

@@ -70,6 +70,10 @@ public final class ServeCommand implements Callable<Integer> {
             description = "Record the run, for ./reve replay.")
     private Optional<Path> record = Optional.empty();
 
+    @Option(names = "--audit", paramLabel = "FILE",
+            description = "Append what each client is told, and when, as one JSON object per message.")
+    private Optional<Path> audit = Optional.empty();
+
     @Option(names = "--fast", description = "As fast as it goes, instead of paced to the wall clock.")
     private boolean fast;
 
@@ -91,7 +95,7 @@ public final class ServeCommand implements Callable<Integer> {
         Pictures pictures = new Pictures(snapshots, pictureFrames);
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json)) {
             WorldServer server = new WorldServer(description, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                    AgentServerConfig.onPort(port), laws, persistence(), pictures, events);
+                    agents(), laws, persistence(), pictures, events);
             try (Interrupt _ = new Interrupt(server::stop)) {
                 ServerReport report;
                 try (server) {
@@ -110,6 +114,11 @@ public final class ServeCommand implements Callable<Integer> {
                     "--store-every is " + storeEvery + ", expected a time above 0 s");
         }
         return new Persistence(world.folder(), record, store, storeEvery, durability);
+    }
+
+    private AgentServerConfig agents() {
+        AgentServerConfig config = AgentServerConfig.onPort(port);
+        return audit.map(config::withAudit).orElse(config);
     }
 
     private void requirePort() {

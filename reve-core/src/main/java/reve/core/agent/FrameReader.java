@@ -10,10 +10,10 @@ import java.util.concurrent.TimeUnit;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Cuts what a client sends into lines, within limits of length and time. Memory grows with what has arrived, never
+ * Cuts what a client sends into messages: lines of JSON, or MessagePack behind its length; within limits of length and time. Memory grows with what has arrived, never
  * with what was announced. One thread.
  */
-final class LineReader {
+final class FrameReader {
 
     private static final int INITIAL_BYTES = 1024;
     private static final int KEPT_BYTES = 16 * 1024;
@@ -26,38 +26,39 @@ final class LineReader {
     private int start;
     private int searched;
     private int end;
+    private Encoding encoding = Encoding.JSON;
     private boolean greeted;
     private boolean pinged;
     private long waitingSince = System.nanoTime();
     private long helloBytes;
 
     /** @param ping asks a silent client whether it is still there */
-    LineReader(Socket socket, AgentServerConfig config, Runnable ping) throws IOException {
+    FrameReader(Socket socket, AgentServerConfig config, Runnable ping) throws IOException {
         this.socket = socket;
         this.in = socket.getInputStream();
         this.config = config;
         this.ping = ping;
     }
 
-    /** The hello has come: from now on the limits of lines hold, no longer those of the hello. */
-    void greeted() {
+    /** The hello has come: from now on the limits of messages hold, no longer those of the hello. */
+    void greeted(Encoding ofWhatFollows) {
         greeted = true;
+        encoding = ofWhatFollows;
     }
 
     /**
-     * Waits for a line.
+     * Waits for a message.
      *
-     * @return it without its end, valid until the next call; null where the client closed the connection
+     * @return it without line end or length, valid until the next call; null where the client closed the connection
      * @throws Ending if the client broke a limit
      */
     @Nullable ByteBuffer next() throws IOException, Ending {
         boolean begun = end > start;
         waitingSince = greeted ? System.nanoTime() : waitingSince;
         while (true) {
-            for (; searched < end; searched++) {
-                if (buffer[searched] == '\n') {
-                    return line();
-                }
+            ByteBuffer message = encoding == Encoding.JSON ? line() : packed();
+            if (message != null) {
+                return message;
             }
             makeRoom();
             int count = fill(begun);
@@ -72,11 +73,34 @@ final class LineReader {
         }
     }
 
-    private ByteBuffer line() {
-        ByteBuffer line = ByteBuffer.wrap(buffer, start, searched - start);
-        searched++;
-        start = searched;
-        return line;
+    private @Nullable ByteBuffer line() {
+        for (; searched < end; searched++) {
+            if (buffer[searched] == '\n') {
+                ByteBuffer line = ByteBuffer.wrap(buffer, start, searched - start);
+                searched++;
+                start = searched;
+                return line;
+            }
+        }
+        return null;
+    }
+
+    private @Nullable ByteBuffer packed() throws Ending {
+        if (end - start < Encoding.LENGTH_BYTES) {
+            return null;
+        }
+        int length = ByteBuffer.wrap(buffer, start, Encoding.LENGTH_BYTES).getInt();
+        if (length < 0 || length > config.lineBytes() - Encoding.LENGTH_BYTES) {
+            throw Ending.cut("line-too-long", "a message of " + Integer.toUnsignedString(length)
+                    + " bytes is longer than " + config.lineBytes());
+        }
+        if (end - start - Encoding.LENGTH_BYTES < length) {
+            return null;
+        }
+        ByteBuffer message = ByteBuffer.wrap(buffer, start + Encoding.LENGTH_BYTES, length).slice();
+        start += Encoding.LENGTH_BYTES + length;
+        searched = start;
+        return message;
     }
 
     private void makeRoom() throws Ending {

@@ -19,7 +19,7 @@ import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 import tools.jackson.databind.JsonNode;
 
-class PerceptionEncoderTest {
+class ObservatoryTest {
     private static JsonNode perceived(boolean relations) {
         try (var arena = new OffHeapArena()) {
             World world = new World("test", WorldPrototype.standard("si-f64"), arena);
@@ -36,8 +36,12 @@ class PerceptionEncoderTest {
             var ring = new SnapshotRing(world, 2);
             ring.publish(1, 0.1);
             try (var snapshot = ring.acquireLatest().orElseThrow()) {
-                byte[] body = new PerceptionEncoder().encode(snapshot, relations).orElseThrow();
-                return Json.MAPPER.readTree("{" + new String(body, StandardCharsets.UTF_8))
+                var observatory = new Observatory();
+                assertThat(observatory.read(snapshot)).isTrue();
+                View view = relations ? observatory.withRelations(observatory.everything(), snapshot).orElseThrow()
+                        : observatory.everything();
+                byte[] fields = view.whole(Encoding.JSON).bytes();
+                return Json.MAPPER.readTree("{" + new String(fields, StandardCharsets.UTF_8))
                         .get("items");
             }
         }

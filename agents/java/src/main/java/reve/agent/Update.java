@@ -1,0 +1,28 @@
+package reve.agent;
+
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.OptionalLong;
+
+/**
+ * What is different from an earlier perception; {@link AgentClient} adds it up.
+ *
+ * @param time of the world [s]
+ * @param since the frame of that perception
+ * @param left names of items that are no longer perceived
+ */
+record Update(OptionalLong id, long frame, double time, long since, List<String> left,
+        List<Perception.Item> entered, List<Change> changed) implements ServerMessage {
+
+    /** What is new about an item; empty for what is as before. */
+    record Change(String name, Optional<Perception.Location> location, Optional<Perception.Orientation> orientation,
+            Optional<Map<String, Object>> symbols,
+            Optional<Map<String, Map<String, Perception.Parameter>>> actions) {
+
+        Perception.Item applyTo(Perception.Item item) {
+            return new Perception.Item(name, location.or(item::location), orientation.orElse(item.orientation()),
+                    symbols.orElse(item.symbols()), actions.orElse(item.actions()));
+        }
+    }
+}

@@ -1,0 +1,49 @@
+package reve.core.agent;
+
+import java.io.Closeable;
+import java.io.IOException;
+import java.io.OutputStream;
+import java.io.UncheckedIOException;
+import java.nio.ByteBuffer;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
+import java.time.Clock;
+
+/**
+ * A record of exactly what each client was told, and when: one JSON object per message, appended to a file at the
+ * moment in which the message is written to the connection. What cannot be recorded is not told. Any thread.
+ */
+final class AuditLog implements Closeable {
+
+    private final OutputStream out;
+    private final Clock clock;
+
+    /** @throws IOException if the file cannot be appended to */
+    AuditLog(Path file, Clock clock) throws IOException {
+        this.out = Files.newOutputStream(file, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
+        this.clock = clock;
+    }
+
+    /** @throws UncheckedIOException if it cannot be written down */
+    synchronized void told(String client, Encoding encoding, Outbox.Line message) {
+        var line = ByteBuffer.allocate(message.bytes());
+        line.put(message.head()).put(message.tail()).flip();
+        String json = encoding == Encoding.JSON
+                ? new String(line.array(), 0, line.remaining() - 1, StandardCharsets.UTF_8)
+                : MessagePackReader.read(line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES))
+                        .toString();
+        String entry = "{\"at\":\"" + clock.instant() + "\",\"client\":\"" + client + "\",\"message\":" + json + "}\n";
+        try {
+            out.write(entry.getBytes(StandardCharsets.UTF_8));
+        } catch (IOException e) {
+            throw new UncheckedIOException("what clients are told cannot be recorded", e);
+        }
+    }
+
+    @Override
+    public void close() throws IOException {
+        out.close();
+    }
+}

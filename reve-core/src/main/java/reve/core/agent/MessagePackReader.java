@@ -1,0 +1,110 @@
+package reve.core.agent;
+
+import java.io.IOException;
+import java.math.BigInteger;
+import java.nio.ByteBuffer;
+import java.nio.charset.CodingErrorAction;
+import org.msgpack.core.MessagePack;
+import org.msgpack.core.MessagePackException;
+import org.msgpack.core.MessageUnpacker;
+import org.msgpack.value.ValueType;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.node.ArrayNode;
+import tools.jackson.databind.node.JsonNodeFactory;
+import tools.jackson.databind.node.ObjectNode;
+
+/** Reads MessagePack into the same tree as JSON, with the same limits: what JSON has no form for is refused. */
+final class MessagePackReader {
+
+    private static final JsonNodeFactory NODES = JsonNodeFactory.instance;
+    private static final MessagePack.UnpackerConfig CONFIG = new MessagePack.UnpackerConfig()
+            .withActionOnMalformedString(CodingErrorAction.REPORT)
+            .withActionOnUnmappableString(CodingErrorAction.REPORT);
+
+    private final MessageUnpacker unpacker;
+    private final int bytes;
+
+    private MessagePackReader(ByteBuffer message) {
+        this.unpacker = CONFIG.newUnpacker(message);
+        this.bytes = message.remaining();
+    }
+
+    /** @throws IllegalArgumentException saying what is wrong, if the bytes are not one value and nothing else */
+    static JsonNode read(ByteBuffer message) {
+        var reader = new MessagePackReader(message);
+        try {
+            JsonNode node = reader.value(Json.MAX_DEPTH);
+            if (reader.unpacker.getTotalReadBytes() != reader.bytes) {
+                throw new IllegalArgumentException("bytes follow the message");
+            }
+            return node;
+        } catch (IOException | MessagePackException e) {
+            throw new IllegalArgumentException(
+                    e.getMessage() == null ? e.getClass().getSimpleName() : e.getMessage(), e);
+        }
+    }
+
+    private JsonNode value(int depth) throws IOException {
+        ValueType type = unpacker.getNextFormat().getValueType();
+        return switch (type) {
+            case NIL -> {
+                unpacker.unpackNil();
+                yield NODES.nullNode();
+            }
+            case BOOLEAN -> NODES.booleanNode(unpacker.unpackBoolean());
+            case INTEGER -> integer(unpacker.unpackBigInteger());
+            case FLOAT -> NODES.numberNode(finite(unpacker.unpackDouble()));
+            case STRING -> NODES.stringNode(unpacker.unpackString());
+            case ARRAY -> list(depth);
+            case MAP -> map(depth);
+            case BINARY, EXTENSION -> throw new IllegalArgumentException(
+                    "a value of type " + type + ", expected what JSON has too");
+        };
+    }
+
+    private static double finite(double number) {
+        if (!Double.isFinite(number)) {
+            throw new IllegalArgumentException("a number is " + number);
+        }
+        return number;
+    }
+
+    private static JsonNode integer(BigInteger number) {
+        return number.bitLength() < Long.SIZE ? NODES.numberNode(number.longValue())
+                : NODES.numberNode(number.doubleValue());
+    }
+
+    private JsonNode list(int depth) throws IOException {
+        int length = length(unpacker.unpackArrayHeader(), depth);
+        ArrayNode list = NODES.arrayNode();
+        for (int i = 0; i < length; i++) {
+            list.add(value(depth - 1));
+        }
+        return list;
+    }
+
+    private JsonNode map(int depth) throws IOException {
+        int length = length(unpacker.unpackMapHeader(), depth);
+        ObjectNode map = NODES.objectNode();
+        for (int i = 0; i < length; i++) {
+            String key = unpacker.unpackString();
+            if (map.has(key)) {
+                throw new IllegalArgumentException("the key " + Text.quote(key) + " is there twice");
+            }
+            map.set(key, value(depth - 1));
+        }
+        return map;
+    }
+
+    /** Every element takes a byte at least, so a length that cannot be true is found before anything is kept. */
+    private int length(int claimed, int depth) {
+        if (depth == 0) {
+            throw new IllegalArgumentException("it is nested deeper than " + Json.MAX_DEPTH);
+        }
+        if (claimed < 0 || claimed > bytes - unpacker.getTotalReadBytes()) {
+            throw new IllegalArgumentException(
+                    "a list or map of " + claimed + " elements does not fit into " + bytes + " bytes");
+        }
+        return claimed;
+    }
+}

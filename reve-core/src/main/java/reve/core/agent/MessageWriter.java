@@ -1,0 +1,69 @@
+package reve.core.agent;
+
+import java.util.List;
+import java.util.Map;
+
+/** Writes the values of one message, in one {@link Encoding}. One thread. */
+interface MessageWriter {
+
+    /** Begins an object of that many fields. */
+    void beginMap(int fields);
+
+    void endMap();
+
+    /** Begins a list of that many values. */
+    void beginList(int values);
+
+    void endList();
+
+    /** The name of the field whose value comes next. */
+    void key(String name);
+
+    void text(String text);
+
+    void truth(boolean truth);
+
+    void integer(long number);
+
+    /** @param number finite */
+    void number(double number);
+
+    /** A value that was encoded before. */
+    void fragment(Fragment fragment);
+
+    /** {@code count} numbers from {@code first} on. */
+    default void numbers(double[] numbers, int first, int count) {
+        beginList(count);
+        for (int i = first; i < first + count; i++) {
+            number(numbers[i]);
+        }
+        endList();
+    }
+
+    /** String, Boolean, Number, or a List or a Map by text of such. What is not finite is written as text. */
+    default void value(Object value) {
+        switch (value) {
+            case String text -> text(text);
+            case Boolean truth -> truth(truth);
+            case Integer number -> integer(number);
+            case Long number -> integer(number);
+            case Number number when Double.isFinite(number.doubleValue()) -> number(number.doubleValue());
+            case Number number -> text(Double.toString(number.doubleValue()));
+            case List<?> list -> {
+                beginList(list.size());
+                list.forEach(this::value);
+                endList();
+            }
+            case Map<?, ?> map -> {
+                beginMap(map.size());
+                map.forEach((name, field) -> {
+                    key((String) name);
+                    value(field);
+                });
+                endMap();
+            }
+            default -> throw new IllegalArgumentException(
+                    "a " + value.getClass().getSimpleName() + " has no form in the agent protocol");
+        }
+    }
+}

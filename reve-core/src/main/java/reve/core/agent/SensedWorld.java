@@ -1,0 +1,182 @@
+package reve.core.agent;
+
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
+import reve.core.world.ColumnView;
+import reve.core.world.ScalarType;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+import reve.core.world.TableView;
+
+/**
+ * Where all bodies are, and which of them a sensor reaches. Holds a copy of the columns in plain arrays, reused
+ * from one frame to the next. One thread.
+ *
+ * <p>A sensor that looks senses an item if at least one of ten points is in its range, in its field of view and not
+ * hidden: the point of the item's bounding box that is nearest to the eye, the box's centre, and its eight corners.
+ * Hidden is what lies behind the bounding box of a third item that has a shape and does not hold the eye.
+ */
+final class SensedWorld {
+
+    private static final int CORNERS = 8;
+    /** A line of sight that only touches a box at its very ends is free. */
+    private static final double END = 1e-9;
+
+    private int rows;
+    private double[] position = {};
+    private double[] orientation = {};
+    private double[] low = {};
+    private double[] high = {};
+    private int[] shape = {};
+
+    // The point and line of sight that are being looked at.
+    private final double[] point = new double[3];
+
+    /** Takes the bodies as they are now. */
+    void load(TableView bodies) {
+        rows = bodies.rowCount();
+        if (shape.length < rows) {
+            int capacity = Math.max(rows, 2 * shape.length);
+            position = new double[3 * capacity];
+            orientation = new double[4 * capacity];
+            low = new double[3 * capacity];
+            high = new double[3 * capacity];
+            shape = new int[capacity];
+        }
+        read(bodies.column("position"), position, 3 * rows);
+        read(bodies.column("orientation"), orientation, 4 * rows);
+        read(bodies.column("boundsMin"), low, 3 * rows);
+        read(bodies.column("boundsMax"), high, 3 * rows);
+        MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0, shape, 0, rows);
+    }
+
+    private static void read(ColumnView column, double[] into, int count) {
+        if (column.type() == ScalarType.F64) {
+            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE, 0, into, 0, count);
+            return;
+        }
+        for (int i = 0; i < count; i++) {
+            into[i] = column.getDouble(i / column.components(), i % column.components());
+        }
+    }
+
+    /** Location (3) [m] and orientation (4) of a row. */
+    double[] place(int row) {
+        double[] place = new double[7];
+        System.arraycopy(position, 3 * row, place, 0, 3);
+        System.arraycopy(orientation, 4 * row, place, 3, 4);
+        return place;
+    }
+
+    /** True if the row has exactly this place. */
+    boolean isAt(int row, double[] place) {
+        for (int i = 0; i < 7; i++) {
+            double now = i < 3 ? position[3 * row + i] : orientation[4 * row + i - 3];
+            if (now != place[i]) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    /** Whether a sensor of the body in one row senses the item in another. */
+    boolean senses(Sensor sensor, int body, int row) {
+        return sensor.touch() ? gapSquared(body, row) <= sensor.range() * sensor.range() : sees(sensor, body, row);
+    }
+
+    private double gapSquared(int a, int b) {
+        double sum = 0;
+        for (int axis = 0; axis < 3; axis++) {
+            double gap = Math.max(0, Math.max(low[3 * a + axis] - high[3 * b + axis],
+                    low[3 * b + axis] - high[3 * a + axis]));
+            sum += gap * gap;
+        }
+        return sum;
+    }
+
+    private boolean sees(Sensor sensor, int body, int row) {
+        for (int axis = 0; axis < 3; axis++) {
+            point[axis] = Math.clamp(position[3 * body + axis], low[3 * row + axis], high[3 * row + axis]);
+        }
+        if (distance(body) > sensor.range()) {
+            return false;
+        }
+        if (isSeen(sensor, body, row)) {
+            return true;
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            point[axis] = 0.5 * (low[3 * row + axis] + high[3 * row + axis]);
+        }
+        boolean seen = isSeen(sensor, body, row);
+        for (int corner = 0; corner < CORNERS && !seen; corner++) {
+            for (int axis = 0; axis < 3; axis++) {
+                point[axis] = (corner >> axis & 1) == 0 ? low[3 * row + axis] : high[3 * row + axis];
+            }
+            seen = isSeen(sensor, body, row);
+        }
+        return seen;
+    }
+
+    private boolean isSeen(Sensor sensor, int body, int row) {
+        double distance = distance(body);
+        return distance <= sensor.range() && isInView(sensor, body, distance)
+                && !(sensor.lineOfSight() && isHidden(body, row));
+    }
+
+    private double distance(int body) {
+        double x = point[0] - position[3 * body];
+        double y = point[1] - position[3 * body + 1];
+        double z = point[2] - position[3 * body + 2];
+        return Math.sqrt(x * x + y * y + z * z);
+    }
+
+    private boolean isInView(Sensor sensor, int body, double distance) {
+        if (sensor.fieldOfView() >= Sensor.ALL_ROUND) {
+            return true;
+        }
+        double x = orientation[4 * body];
+        double y = orientation[4 * body + 1];
+        double z = orientation[4 * body + 2];
+        double w = orientation[4 * body + 3];
+        // The body's own +Z axis, turned: the third column of its rotation matrix.
+        double ahead = 2 * (x * z + w * y) * (point[0] - position[3 * body])
+                + 2 * (y * z - w * x) * (point[1] - position[3 * body + 1])
+                + (1 - 2 * (x * x + y * y)) * (point[2] - position[3 * body + 2]);
+        return ahead >= distance * Math.cos(0.5 * sensor.fieldOfView());
+    }
+
+    private boolean isHidden(int body, int row) {
+        for (int other = 0; other < rows; other++) {
+            if (other != body && other != row && shape[other] != Shape.NONE && isBetween(body, other)) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /** Whether the line from the eye to the point crosses a box that does not hold the eye (slab method). */
+    private boolean isBetween(int body, int box) {
+        double enter = 0;
+        double leave = 1;
+        boolean holdsEye = true;
+        for (int axis = 0; axis < 3; axis++) {
+            double from = position[3 * body + axis];
+            double way = point[axis] - from;
+            double min = low[3 * box + axis];
+            double max = high[3 * box + axis];
+            boolean inside = from >= min && from <= max;
+            holdsEye &= inside;
+            if (way == 0) {
+                if (!inside) {
+                    return false;
+                }
+            } else {
+                double a = (min - from) / way;
+                double b = (max - from) / way;
+                enter = Math.max(enter, Math.min(a, b));
+                leave = Math.min(leave, Math.max(a, b));
+            }
+        }
+        return !holdsEye && enter <= leave && enter < 1 - END && leave > END;
+    }
+}

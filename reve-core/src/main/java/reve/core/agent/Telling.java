@@ -1,0 +1,33 @@
+package reve.core.agent;
+
+import java.util.EnumMap;
+import java.util.IdentityHashMap;
+import java.util.Map;
+import org.jspecify.annotations.Nullable;
+
+/** Encodes what agents are told of a frame; what several are told alike is encoded once. Publisher's thread. */
+final class Telling {
+
+    private final Map<View, Map<Encoding, View.Told>> since = new IdentityHashMap<>();
+    private @Nullable View shared;
+
+    /** A frame begins. @param everything what all agents without sensors perceive */
+    void begin(View everything) {
+        since.clear();
+        shared = everything;
+    }
+
+    View.Told whole(View view, Encoding encoding) {
+        return view == shared ? of(view).computeIfAbsent(encoding, view::whole) : view.whole(encoding);
+    }
+
+    View.Told since(View before, View now, Encoding encoding) {
+        return now == shared ? of(before).computeIfAbsent(encoding, e -> now.since(before, e))
+                : now.since(before, encoding);
+    }
+
+    /** The whole of the shared view is kept under the view itself, a difference under what it is to. */
+    private Map<Encoding, View.Told> of(View view) {
+        return since.computeIfAbsent(view, unknown -> new EnumMap<>(Encoding.class));
+    }
+}

@@ -1,0 +1,91 @@
+package reve.core.world;
+
+import java.util.EnumSet;
+import java.util.Optional;
+import java.util.Set;
+import java.util.SortedSet;
+import java.util.TreeSet;
+
+/**
+ * What an agent perceives through its body. A body with sensors perceives nothing but what one of them senses.
+ *
+ * @param name unique among the sensors of a body
+ * @param touch true if it senses what the body's bounding box comes as close to as the range; else it looks
+ *     from the body's origin along its own +Z axis, the front of a glTF model
+ * @param range how far it reaches [m], infinite for everything
+ * @param fieldOfView full angle of the cone in which it sees [rad], 2π for all round
+ * @param lineOfSight true if what is behind the bounding box of another item is hidden
+ * @param every it senses every that many frames; in between the agent keeps what it knows
+ * @param symbols which symbols it perceives; empty for all
+ * @param aspects what it perceives of an item beside its name
+ */
+public record Sensor(String name, boolean touch, double range, double fieldOfView, boolean lineOfSight, int every,
+        Optional<SortedSet<String>> symbols, Set<Aspect> aspects) {
+
+    public static final double ALL_ROUND = 2 * Math.PI;
+    /** The gap at which boxes count as touching, unless a sensor says otherwise [m]. */
+    public static final double TOUCH_RANGE = 0.01;
+
+    /** A side of an item that can be perceived. */
+    public enum Aspect {
+        /** Location and orientation. */
+        PHYSICAL,
+        /** Symbols. */
+        SEMANTIC,
+        /** Actions. */
+        ACCESS
+    }
+
+    /** @throws IllegalArgumentException if range, field of view or every is out of its bounds */
+    public Sensor {
+        if (!(range > 0)) {
+            throw new IllegalArgumentException("range: " + range + " m is not more than 0");
+        }
+        if (!(fieldOfView > 0 && fieldOfView <= ALL_ROUND)) {
+            throw new IllegalArgumentException(
+                    "fieldOfView: " + fieldOfView + " rad is not between 0 and 360 deg");
+        }
+        if (every < 1) {
+            throw new IllegalArgumentException("every: " + every + " frames, expected 1 or more");
+        }
+        symbols = symbols.map(TreeSet::new);
+        aspects = aspects.isEmpty() ? Set.of() : Set.copyOf(EnumSet.copyOf(aspects));
+    }
+
+    /** Sees everything all round, as far as it reaches. */
+    public static Sensor sight(String name, double range) {
+        return new Sensor(name, false, range, ALL_ROUND, false, 1, Optional.empty(), EnumSet.allOf(Aspect.class));
+    }
+
+    /** Feels everything that the body touches. */
+    public static Sensor touch(String name) {
+        return new Sensor(name, true, TOUCH_RANGE, ALL_ROUND, false, 1, Optional.empty(),
+                EnumSet.allOf(Aspect.class));
+    }
+
+    public Sensor withFieldOfView(double radians) {
+        return new Sensor(name, touch, range, radians, lineOfSight, every, symbols, aspects);
+    }
+
+    public Sensor withLineOfSight() {
+        return new Sensor(name, touch, range, fieldOfView, true, every, symbols, aspects);
+    }
+
+    public Sensor withEvery(int frames) {
+        return new Sensor(name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects);
+    }
+
+    public Sensor withSymbols(Set<String> names) {
+        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every, Optional.of(new TreeSet<>(names)),
+                aspects);
+    }
+
+    public Sensor withAspects(Set<Aspect> some) {
+        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every, symbols, some);
+    }
+
+    /** True if it also senses what has no place, such as a spring. */
+    public boolean isUnlimited() {
+        return !touch && range == Double.POSITIVE_INFINITY && fieldOfView == ALL_ROUND && !lineOfSight;
+    }
+}
