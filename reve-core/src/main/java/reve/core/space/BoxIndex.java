@@ -33,7 +33,7 @@ public final class BoxIndex {
     private int ordered = NOTHING;
     /** Sum of the edges of the nodes around boxes, when the boxes were put in order. */
     private double[] extents = {};
-    /** All nodes, six sides each: the boxes in their order, then what is around eight of those ... */
+    /** All nodes, six sides each: the boxes in their order, then those around eight, ... */
     private double[] sides = {};
     private long[] keys = {};
     /** The first node of each level, and behind the last one. */

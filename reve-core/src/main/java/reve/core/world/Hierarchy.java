@@ -57,7 +57,8 @@ final class Hierarchy {
     static void requireNoMass(String where, double mass) {
         if (mass != 0) {
             throw new IllegalArgumentException(where + "mass is " + mass
-                    + " kg, but laws cannot move what moves with another item: give it mass 0, or hold it with a spring");
+                    + " kg, but laws cannot move what moves with another item: "
+                    + "give it mass 0, or hold it with a spring");
         }
     }
 

@@ -9,12 +9,12 @@ import reve.core.space.BoxIndex;
 import reve.core.space.Found;
 
 /**
- * Which bodies are where, by the boxes around them ({@code boundsMin}, {@code boundsMax}) as the last
- * DERIVE left them: what was moved or reshaped since is found where it was, what was added since is not
- * found yet, and what was removed since is not found any more. A body without a shape is a point.
+ * Which bodies are where, by the boxes around them ({@code boundsMin}, {@code boundsMax}) as the
+ * last DERIVE left them: what was moved or reshaped since is found where it was, what was added
+ * since is not found yet, what was removed since not any more. A body without a shape is a point.
  *
- * <p>Looks boxes up in a tree that is brought up to date when somebody asks for the first time after
- * DERIVE; a world that nobody asks pays nothing. Same thread as the world or snapshot.
+ * <p>Looks boxes up in a tree that is brought up to date when somebody asks for the first time
+ * after DERIVE; a world that nobody asks pays nothing. Same thread as the world or snapshot.
  */
 public final class Space {
 
@@ -47,7 +47,7 @@ public final class Space {
         return present(Integer.MAX_VALUE);
     }
 
-    /** As {@link #inBox(Box)}, into memory of the caller's: nothing is allocated once it is used to it. */
+    /** As {@link #inBox(Box)}, into memory of the caller's, which grows only to what is found. */
     public void inBox(Box box, Found into) {
         update();
         index.inBox(box, into);

@@ -9,8 +9,8 @@ import java.util.TreeSet;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Which items have which value of a symbol. A symbol is indexed from the first time it is asked for,
- * so that others cost nothing. World's thread only.
+ * Which items have which value of a symbol. A symbol is indexed from the first time it is asked
+ * for, so that others cost nothing. World's thread only.
  */
 final class SymbolIndex {
 

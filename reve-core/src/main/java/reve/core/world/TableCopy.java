@@ -82,6 +82,21 @@ public final class TableCopy {
         }
     }
 
+    /** @throws IllegalArgumentException naming what differs if the copy is of no such table */
+    void requireOf(Table table) {
+        List<PropertyDescriptor> expected =
+                table.allColumns().stream().map(Column::descriptor).toList();
+        if (!table.kind().equals(kind) || !expected.equals(properties)) {
+            throw new IllegalArgumentException("the image is of a world with another prototype: "
+                    + "kind " + kind + " has the properties " + names(properties)
+                    + ", expected kind " + table.kind() + " with " + names(expected));
+        }
+    }
+
+    private static List<String> names(List<PropertyDescriptor> properties) {
+        return properties.stream().map(PropertyDescriptor::name).toList();
+    }
+
     private long bytes(int column, int rows) {
         return (long) rows * properties.get(column).rowBytes();
     }

@@ -3,7 +3,6 @@ package reve.core.world;
 import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
 import java.util.HashMap;
-import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
@@ -12,7 +11,6 @@ import java.util.Optional;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
-import org.pcollections.TreePMap;
 
 /**
  * The virtual world store: one {@link Table} of columns per kind for numbers, one immutable map for
@@ -37,24 +35,20 @@ public final class World {
     private final ColumnArena arena;
     private final Map<String, Table> tableByKind = new HashMap<>();
     private final List<Table> tables;
-    private final Map<ItemId, Item> items = new LinkedHashMap<>();
-    private final Map<String, Item> itemsByName = new HashMap<>();
+    private final Register register = new Register();
     private final List<MemorySegment> retired = new ArrayList<>();
     private final FrameLog<WorldEvent> events = new FrameLog<>(Integer.MAX_VALUE);
     private final FrameLog<WorldChange> changes = new FrameLog<>(MAX_CHANGES_PER_FRAME);
     private final List<Column> directlyEdited = new ArrayList<>();
     private final Hierarchy hierarchy;
     private final References references;
-    private final SymbolIndex symbolIndex = new SymbolIndex();
     private final Forces forces;
     private final Relations relations;
     private final Space space;
     private long boundsVersion;
-    private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private volatile Thread owner = Thread.currentThread();
     private @Nullable String lockedBy;
     private @Nullable String inspectedBy;
-    private long lastId;
     private long layoutVersion;
 
     /**
@@ -73,7 +67,7 @@ public final class World {
         tables = prototype.kinds().stream().map(kind -> new Table(this, kind)).toList();
         tables.forEach(table -> tableByKind.put(table.kind(), table));
         hierarchy = new Hierarchy(table(WorldPrototype.BODY));
-        references = new References(tables, items);
+        references = new References(tables, register.byId());
         forces = new Forces(this);
         space = spaceOf(table(WorldPrototype.BODY));
         relations = new Relations(table(WorldPrototype.BODY), space, id -> item(id).name());
@@ -158,11 +152,14 @@ public final class World {
         Set<Item> doomed = new LinkedHashSet<>();
         Item item = removable(id);
         doomed.add(item);
-        int before;
-        do {
-            before = doomed.size();
-            references.addReferrers(List.copyOf(doomed), doomed);
-        } while (doomed.size() > before);
+        Set<Item> latest = doomed;
+        while (!latest.isEmpty()) {
+            Set<Item> next = new LinkedHashSet<>();
+            references.addReferrers(latest, next);
+            next.removeAll(doomed);
+            doomed.addAll(next);
+            latest = next;
+        }
         List<Item> order = new ArrayList<>(doomed).reversed();
         order.forEach(this::delete);
         List<ItemId> cascade = order.stream().filter(other -> other != item).map(Item::id)
@@ -185,9 +182,7 @@ public final class World {
         }
         requireNotConstants(item, "its name is fixed");
         DefinitionCheck.requireFree(Names.require("new name of " + item, newName),
-                itemsByName.containsKey(newName));
-        itemsByName.remove(oldName);
-        itemsByName.put(newName, item);
+                register.find(newName) != null);
         setSymbols(item, item.symbols().renamed(newName));
         changes.add(new WorldChange.Renamed(id, oldName, newName));
     }
@@ -267,7 +262,7 @@ public final class World {
                 () -> {
                     checkOwner();
                     return boundsVersion;
-                }, id -> items.containsKey(new ItemId(id)));
+                }, id -> register.find(new ItemId(id)) != null);
     }
 
     /** Puts what is attached where its parents are; in DERIVE, before anything looks. */
@@ -287,44 +282,35 @@ public final class World {
     public void restore(WorldImage image) {
         requireUnlocked("restore an image");
         for (int i = 0; i < tables.size(); i++) {
-            requireSameColumns(tables.get(i), image.tables().get(i));
+            image.tables().get(i).requireOf(tables.get(i));
         }
-        items.values().forEach(item -> item.row = Item.REMOVED);
-        Map<ItemId, Item> restored = new LinkedHashMap<>();
-        image.symbols().forEach((id, itemSymbols) -> restored.put(id, revive(itemSymbols)));
-        items.clear();
-        items.putAll(restored);
-        itemsByName.clear();
-        items.values().forEach(item -> itemsByName.put(item.name(), item));
-        symbols = image.symbols();
-        lastId = image.lastId();
+        register.restore(image, this::table);
         forces.restore(image.forces());
         for (int i = 0; i < tables.size(); i++) {
             tables.get(i).restore(image.tables().get(i), id -> item(new ItemId(id)));
         }
         references.countAll();
-        hierarchy.restore(items.values());
+        hierarchy.restore(register.items());
         boundsVersion++;
-        symbolIndex.clear();
         changes.add(new WorldChange.Restored(image.frame()));
         layoutVersion++;
     }
 
     public Optional<Item> find(String itemName) {
         checkOwner();
-        return Optional.ofNullable(itemsByName.get(itemName));
+        return Optional.ofNullable(register.find(itemName));
     }
 
     /** The item of that id, as long as it is there. */
     public Optional<Item> find(ItemId id) {
         checkOwner();
-        return Optional.ofNullable(items.get(id));
+        return Optional.ofNullable(register.find(id));
     }
 
     /** @throws IllegalArgumentException if there is no such item (any more) */
     public Item item(ItemId id) {
         checkOwner();
-        Item item = items.get(id);
+        Item item = register.find(id);
         if (item == null) {
             throw new IllegalArgumentException("world " + name + " has no item " + id);
         }
@@ -340,13 +326,13 @@ public final class World {
      */
     public List<Item> withSymbol(String symbol, Object value) {
         checkOwner();
-        return symbolIndex.find(symbol, value, items.values());
+        return register.withSymbol(symbol, value);
     }
 
     /** All items in the order of their ids, the item {@code world} first; a copy. */
     public List<Item> items() {
         checkOwner();
-        return List.copyOf(items.values());
+        return List.copyOf(register.items());
     }
 
     /**
@@ -357,8 +343,8 @@ public final class World {
     public List<Item> itemsInOrderOfRows() {
         checkOwner();
         Map<Table, Integer> nextRow = new HashMap<>();
-        List<Item> ordered = new ArrayList<>(items.size());
-        for (Item item : items.values()) {
+        List<Item> ordered = new ArrayList<>(register.items().size());
+        for (Item item : register.items()) {
             if (item.kind().equals(WorldPrototype.WORLD)) {
                 continue;
             }
@@ -395,7 +381,7 @@ public final class World {
     /** What is symbolic about all items, in the order of their ids: one immutable version. */
     public PMap<ItemId, ItemSymbols> symbols() {
         checkOwner();
-        return symbols;
+        return register.symbols();
     }
 
     /**
@@ -529,7 +515,7 @@ public final class World {
 
     /** The highest id that was ever given to an item. */
     public long lastId() {
-        return lastId;
+        return register.lastId();
     }
 
     void requireEditable() {
@@ -549,11 +535,11 @@ public final class World {
     }
 
     @Nullable Item findItem(ItemId id) {
-        return items.get(id);
+        return register.find(id);
     }
 
     @Nullable Item findItem(String itemName) {
-        return itemsByName.get(itemName);
+        return register.find(itemName);
     }
 
     MemorySegment reserve(String columnName, long bytes) {
@@ -567,10 +553,7 @@ public final class World {
     }
 
     void setSymbols(Item item, ItemSymbols changed) {
-        requireEditable();
-        symbolIndex.follow(item, items.containsKey(item.id()) ? item.symbols() : null, changed);
-        item.setSymbols(changed);
-        symbols = symbols.plus(item.id(), changed);
+        register.setSymbols(item, changed);
     }
 
     void giveFirstPhysics(Item item) {
@@ -601,30 +584,6 @@ public final class World {
         references.set(item, column, targets.stream().map(this::item).toList());
     }
 
-    /** The item of that id and kind if it is there, else a new object; in no row yet. */
-    private Item revive(ItemSymbols itemSymbols) {
-        Item item = items.get(itemSymbols.id());
-        if (item == null || !item.kind().equals(itemSymbols.kind())) {
-            item = new Item(table(itemSymbols.kind()), itemSymbols);
-        }
-        item.setSymbols(itemSymbols);
-        return item;
-    }
-
-    private static void requireSameColumns(Table table, TableCopy copy) {
-        List<PropertyDescriptor> expected =
-                table.allColumns().stream().map(Column::descriptor).toList();
-        if (!table.kind().equals(copy.kind()) || !expected.equals(copy.properties())) {
-            throw new IllegalArgumentException("the image is of a world with another prototype: "
-                    + "kind " + copy.kind() + " has the properties " + names(copy.properties())
-                    + ", expected kind " + table.kind() + " with " + names(expected));
-        }
-    }
-
-    private static List<String> names(List<PropertyDescriptor> properties) {
-        return properties.stream().map(PropertyDescriptor::name).toList();
-    }
-
     /** Reserves memory before anything is added, because only that can still fail. */
     private void makeRoom(List<ItemDefinition> definitions) {
         for (Table table : tables) {
@@ -638,12 +597,10 @@ public final class World {
 
     private Item insert(ItemDefinition definition, boolean physics) {
         Table table = table(definition.kind());
-        var itemSymbols = new ItemSymbols(new ItemId(++lastId), definition);
+        var itemSymbols = new ItemSymbols(register.nextId(), definition);
         Item item = new Item(table, itemSymbols);
         table.insert(item, physics);
-        setSymbols(item, itemSymbols);
-        items.put(item.id(), item);
-        itemsByName.put(item.name(), item);
+        register.add(item);
         if (!item.physical().isEmpty()) {
             item.physical().place(definition);
         }
@@ -658,7 +615,7 @@ public final class World {
     private void link(Item item, ItemDefinition definition) {
         references.resolve(item, definition);
         definition.parent().ifPresent(parent -> setAttachment(item,
-                Objects.requireNonNull(itemsByName.get(parent)),
+                Objects.requireNonNull(register.find(parent)),
                 Pose.exactly(definition.location(), definition.orientation())));
     }
 
@@ -689,10 +646,7 @@ public final class World {
         references.release(item);
         hierarchy.unlink(item);
         item.table().remove(item);
-        items.remove(item.id());
-        itemsByName.remove(item.name());
-        symbols = symbols.minus(item.id());
-        symbolIndex.follow(item, item.symbols(), null);
+        register.remove(item);
         layoutVersion++;
     }
 

@@ -44,8 +44,9 @@ public sealed interface WorldChange {
 
     /**
      * Part of an aspect got another value. Numbers of columns are a {@code List<Double>},
-     * references a {@code List<ItemId>}, symbols text, truth or Double; what an item looks like is a
-     * {@link Shape}, {@link Material} or {@link Colour}, and what it can do an {@link Action}.
+     * references a {@code List<ItemId>}, symbols text, truth, Double or a list of such; what an
+     * item looks like is a {@link Shape}, {@link Colour} or {@link Material}, and what it can do an
+     * {@link Action}.
      *
      * @param property the part: a physics property, a symbol, an action, or {@code location},
      *     {@code orientation}, {@code shape}, {@code material}, {@code colour}
