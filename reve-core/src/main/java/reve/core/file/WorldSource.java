@@ -72,6 +72,9 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
 
         private void includeAll(Node part) throws WorldFileException {
             for (Node name : part.get("include").map(Node::children).orElse(List.of())) {
+                if (problems.full()) {
+                    return;
+                }
                 Optional<Path> found = folder.find(name, problems);
                 if (found.isPresent()) {
                     include(name, found.get());
