@@ -154,6 +154,37 @@ class ReplayNativeTest {
         }
     }
 
+    /** A process that ends after any record has lost what came after it, and nothing before. */
+    @Test
+    void whateverRecordIsTheLastTheWorldIsAsItWasAtItsLastFrame() throws IOException {
+        List<Long> hashes = new ArrayList<>();
+        record(40, (simulation, frame) -> {
+            hashes.add(simulation.physics().stateHash());
+            interfere(simulation, frame);
+        });
+        List<JournalRecord> records = new ArrayList<>();
+        try (RunLog.Reader reader = RunLog.open(log)) {
+            reader.forEachRemaining(records::add);
+        }
+        long made = 0;
+        for (int kept = 1; kept <= records.size(); kept++) {
+            if (records.get(kept - 1) instanceof JournalRecord.Library) {
+                continue;
+            }
+            try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
+                records.subList(0, kept).forEach(record -> assertThat(replay.take(record)).isTrue());
+                try (Simulation resumed = replay.release()) {
+                    made = resumed.loop().frame();
+                    if (made < hashes.size()) {
+                        assertThat(resumed.physics().stateHash())
+                                .isEqualTo(hashes.get((int) made));
+                    }
+                }
+            }
+        }
+        assertThat(made).isEqualTo(40);
+    }
+
     @Test
     void aSinkThatFailsCostsTheJournalUpToTheNextImageAndNothingElse() throws Exception {
         List<JournalRecord> kept = new ArrayList<>();
