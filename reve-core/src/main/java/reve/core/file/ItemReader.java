@@ -25,6 +25,7 @@ final class ItemReader {
     private final Problems problems;
     private final PhysicsReader physics;
     private final PhysicalReader physical;
+    private final DensityReader densities;
     private final ActionReader actions;
     private final SensorReader sensors;
     /** The items of the file by name; of several with one name, the first. */
@@ -51,6 +52,7 @@ final class ItemReader {
         this.problems = problems;
         this.physics = physics;
         this.physical = new PhysicalReader(prototype, physics, assets, problems);
+        this.densities = new DensityReader(prototype, physics, problems);
         this.actions = new ActionReader(physics, this::readCreated, problems);
         this.sensors = new SensorReader(problems);
     }
@@ -286,6 +288,7 @@ final class ItemReader {
                         property.refersTo().orElseThrow(), true)));
             }
         });
+        physics.density(aspect, kind).ifPresent(value -> densities.read(value, aspect, item));
     }
 
     /** With a physics aspect, every reference of the kind must be there, each to another item. */

@@ -44,6 +44,9 @@ final class PhysicsReader {
             if (problems.full()) {
                 return;
             }
+            if (isDensity(value, kind)) {
+                continue;
+            }
             find(value, value.key(), kind).ifPresent(property -> {
                 if (property.type() == ScalarType.REF) {
                     references(value, property)
@@ -54,6 +57,16 @@ final class PhysicsReader {
                 }
             });
         }
+    }
+
+    /** What mass and inertia follow from; a world that declares a property `density` has its own. */
+    Optional<Node> density(Node aspect, String kind) {
+        return aspect.get("density").filter(value -> isDensity(value, kind));
+    }
+
+    private boolean isDensity(Node value, String kind) {
+        return value.key().equals("density") && kind.equals(WorldPrototype.BODY)
+                && prototype.find(kind, "density").isEmpty();
     }
 
     /** The constants of the world by name, each given once. */

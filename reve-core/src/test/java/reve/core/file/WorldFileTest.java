@@ -88,6 +88,53 @@ class WorldFileTest {
                 .contains("tile.png");
     }
 
+    private static ItemDefinition solid(String physical, String physics)
+            throws WorldFileException {
+        return parse("reve: 1\nname: w\nitems:\n  - {name: a, physical: {" + physical
+                + "}, physics: {" + physics + "}}\n").items().getFirst();
+    }
+
+    @Test
+    void massAndInertiaFollowFromDensity() throws WorldFileException {
+        ItemDefinition brick = solid("shape: box, size: [1, 2, 3]", "density: 10 kg/m^3");
+        assertThat(brick.physics("mass").orElseThrow()).containsExactly(60);
+        assertThat(brick.physics("inertia").orElseThrow()).containsExactly(
+                new double[] {65, 50, 25}, within(1e-12));
+        ItemDefinition ball = solid("shape: sphere, radius: 2", "density: 1");
+        assertThat(ball.physics("radius").orElseThrow()).containsExactly(2);
+        assertThat(ball.physics("mass").orElseThrow()[0]).isCloseTo(33.5103216, within(1e-6));
+    }
+
+    @Test
+    void aWorldMayDeclareADensityOfItsOwn() throws WorldFileException {
+        ItemDefinition item = parse("""
+                reve: 1
+                name: w
+                properties: [{name: density, kind: body, unit: kg/m^3}]
+                items: [{name: a, physics: {mass: 1, density: 7 g/l}}]
+                """).items().getFirst();
+        assertThat(item.physics("density").orElseThrow()).containsExactly(7);
+        assertThat(item.physics("mass").orElseThrow()).containsExactly(1);
+    }
+
+    @Test
+    void densitiesThatCannotBeUsedAreRefusedWithTheReason() {
+        String corner = "shape: mesh, vertices: [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], "
+                + "triangles: [[0, 2, 1], [0, 3, 2], [0, 1, 3], [1, 2, 3]]";
+        assertThatThrownBy(() -> solid("shape: plane, size: [1, 1]", "density: 1"))
+                .hasMessageContaining("density: a plane has no volume");
+        assertThatThrownBy(() -> solid("shape: sphere, radius: 1", "density: 1, mass: 3"))
+                .hasMessageContaining("density: `mass` is given too");
+        assertThatThrownBy(() -> solid("shape: sphere, radius: 1", "density: -1"))
+                .hasMessageContaining("density: -1.0, expected a positive one");
+        assertThatThrownBy(() -> solid(corner, "density: 1"))
+                .hasMessageContaining("centre of mass is at (0.2500 0.2500 0.2500) m");
+        assertThatThrownBy(() -> solid(corner.replace("0, 0, 0]", "-1, -1, -1]"), "density: 1"))
+                .hasMessageContaining("products of inertia yz zx xy are (");
+        assertThatThrownBy(() -> solid(corner.replace(", [1, 2, 3]", ""), "density: 1"))
+                .hasMessageContaining("the mesh is open at the edge");
+    }
+
     @Test
     void smallestFileIsAnEmptyWorldWithDefaults() throws WorldFileException {
         WorldDescription world = parse("reve: 1\nname: nothing\n");

@@ -1,0 +1,90 @@
+package reve.core.file;
+
+import java.util.Arrays;
+import java.util.List;
+import java.util.Locale;
+import reve.core.mesh.MassProperties;
+import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.Shape;
+import reve.core.world.WorldPrototype;
+
+/** Gives a body mass and inertia from {@code density} and its shape, and spheres their radius. */
+final class DensityReader {
+    private static final Unit DENSITY = Unit.parse("kg/m^3");
+    /** Parts of the extent that the centre of mass, of the moments that products may be off. */
+    private static final double TOLERANCE = 1e-3;
+
+    private final WorldPrototype prototype;
+    private final PhysicsReader physics;
+    private final Problems problems;
+
+    DensityReader(WorldPrototype prototype, PhysicsReader physics, Problems problems) {
+        this.prototype = prototype;
+        this.physics = physics;
+        this.problems = problems;
+    }
+
+    /** @param item with the shape; gets the properties that follow */
+    void read(Node density, Node aspect, ItemDefinition.Builder item) {
+        for (String given : List.of("mass", "inertia")) {
+            if (aspect.get(given).isPresent()) {
+                problems.addAtKey(density, "density: `" + given + "` is given too, which follows "
+                        + "from density and shape; say one of them");
+                return;
+            }
+        }
+        Shape shape = item.build().shape();
+        new Quantities(problems).number(density, DENSITY).ifPresent(value -> {
+            try {
+                requirePositive(value);
+                MassProperties solid = MassProperties.of(shape, value);
+                requireOwnAxes(shape, solid);
+                set(density, item, "mass", solid.mass());
+                set(density, item, "inertia", solid.moments());
+                if (shape instanceof Shape.Sphere sphere && aspect.get("radius").isEmpty()) {
+                    set(density, item, "radius", sphere.radius());
+                }
+            } catch (IllegalArgumentException refused) {
+                problems.add(density, "density: " + refused.getMessage());
+            }
+        });
+    }
+
+    private void set(Node node, ItemDefinition.Builder item, String name, double... values) {
+        PropertyDescriptor property = prototype.find(WorldPrototype.BODY, name).orElseThrow();
+        if (physics.fits(node, property.type(), values)) {
+            item.physics(name, values);
+        }
+    }
+
+    private static void requirePositive(double density) {
+        if (!(density > 0)) {
+            throw new IllegalArgumentException(density + ", expected a positive one");
+        }
+    }
+
+    /** Laws know three moments about the item's origin and along its axes, and no more. */
+    private static void requireOwnAxes(Shape shape, MassProperties solid) {
+        double extent = Math.max(shape.size(0), Math.max(shape.size(1), shape.size(2)));
+        double moment = Arrays.stream(solid.moments()).max().orElseThrow();
+        for (int axis = 0; axis < 3; axis++) {
+            if (Math.abs(solid.centre()[axis]) > TOLERANCE * extent) {
+                throw new IllegalArgumentException("the centre of mass is at "
+                        + text(solid.centre()) + " m, expected the item's origin; move the "
+                        + "mesh in its file by the opposite of that");
+            }
+            if (Math.abs(solid.products()[axis]) > TOLERANCE * moment) {
+                throw new IllegalArgumentException("the products of inertia yz zx xy are "
+                        + text(solid.products()) + " kg*m^2 beside moments of "
+                        + text(solid.moments()) + ", expected 0; turn the mesh in its file until "
+                        + "its principal axes are x, y and z");
+            }
+        }
+    }
+
+    private static String text(double[] values) {
+        return String.format(Locale.ROOT, "(%.4g %.4g %.4g)", values[0], values[1], values[2]);
+    }
+}

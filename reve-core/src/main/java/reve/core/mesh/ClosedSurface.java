@@ -1,0 +1,91 @@
+package reve.core.mesh;
+
+import java.nio.FloatBuffer;
+import java.nio.IntBuffer;
+import java.util.Arrays;
+import java.util.HashMap;
+import java.util.Map;
+import java.util.Optional;
+import reve.core.world.Mesh;
+
+/**
+ * Whether a mesh encloses a space: each edge belongs to two triangles that run along it in opposite
+ * directions. Vertices in one place count as one, as files part them where normals or textures do.
+ */
+final class ClosedSurface {
+
+    private final FloatBuffer vertices;
+    private final int[] corners;
+
+    /** Where a vertex is; -0 and 0 are one place. */
+    private record Place(float x, float y, float z) {}
+
+    private ClosedSurface(Mesh mesh) {
+        vertices = mesh.vertices();
+        IntBuffer triangles = mesh.triangles();
+        Map<Place, Integer> firstAt = new HashMap<>();
+        corners = new int[triangles.remaining()];
+        for (int i = 0; i < corners.length; i++) {
+            int vertex = triangles.get(i);
+            Integer first = firstAt.putIfAbsent(place(vertex), vertex);
+            corners[i] = first == null ? vertex : first;
+        }
+    }
+
+    /** @throws IllegalArgumentException naming an edge that is open or whose triangles disagree */
+    static void require(Mesh mesh) {
+        new ClosedSurface(mesh).fault().ifPresent(fault -> {
+            throw new IllegalArgumentException(fault);
+        });
+    }
+
+    private Optional<String> fault() {
+        long[] edges = sortedEdges();
+        for (int i = 1; i < edges.length; i++) {
+            if (edges[i] == edges[i - 1]) {
+                return Optional.of("the mesh is not a surface around a space: two triangles run "
+                        + "the same way along the edge " + describe(edges[i])
+                        + "; they face opposite sides, or more than two meet there");
+            }
+        }
+        for (long edge : edges) {
+            if (Arrays.binarySearch(edges, Long.rotateLeft(edge, 32)) < 0) {
+                return Optional.of("the mesh is open at the edge " + describe(edge)
+                        + ", which belongs to one triangle only");
+            }
+        }
+        return Optional.empty();
+    }
+
+    /** All edges as first and second vertex, without triangles that are a line or a point. */
+    private long[] sortedEdges() {
+        long[] edges = new long[corners.length];
+        int count = 0;
+        for (int i = 0; i < corners.length; i += 3) {
+            int a = corners[i];
+            int b = corners[i + 1];
+            int c = corners[i + 2];
+            if (a != b && b != c && c != a) {
+                edges[count++] = (long) a << 32 | b;
+                edges[count++] = (long) b << 32 | c;
+                edges[count++] = (long) c << 32 | a;
+            }
+        }
+        long[] sorted = Arrays.copyOf(edges, count);
+        Arrays.sort(sorted);
+        return sorted;
+    }
+
+    private String describe(long edge) {
+        return "from " + text(place((int) (edge >>> 32))) + " to " + text(place((int) edge));
+    }
+
+    private Place place(int vertex) {
+        return new Place(vertices.get(3 * vertex) + 0f, vertices.get(3 * vertex + 1) + 0f,
+                vertices.get(3 * vertex + 2) + 0f);
+    }
+
+    private static String text(Place place) {
+        return "(" + place.x + " " + place.y + " " + place.z + ")";
+    }
+}

@@ -1,0 +1,135 @@
+package reve.core.mesh;
+
+import java.nio.FloatBuffer;
+import java.nio.IntBuffer;
+import reve.core.world.Mesh;
+import reve.core.world.Shape;
+
+/**
+ * What a solid body of one density weighs and how it resists being turned.
+ *
+ * @param volume [m^3]
+ * @param mass [kg]
+ * @param centre place of the centre of mass in the shape's axes (3) [m]
+ * @param moments of inertia about axes through the centre along the shape's own: xx yy zz (3)
+ *     [kg*m^2]
+ * @param products of inertia there: yz zx xy (3) [kg*m^2]; all 0 where the axes are principal ones
+ */
+public record MassProperties(double volume, double mass, double[] centre, double[] moments,
+        double[] products) {
+
+    /**
+     * Of a solid with that form.
+     *
+     * @param density [kg/m^3], positive
+     * @throws IllegalArgumentException if the form encloses no space: a plane, or a mesh that is not
+     *     closed, whose open edge is named, or whose triangles do not all face outward
+     */
+    public static MassProperties of(Shape shape, double density) {
+        return switch (shape) {
+            case Shape.None none -> throw new IllegalArgumentException("no shape has no volume");
+            case Shape.Plane plane -> throw new IllegalArgumentException("a plane has no volume");
+            case Shape.Sphere sphere -> sphere(sphere.radius(), density);
+            case Shape.Box box -> box(box.x(), box.y(), box.z(), density);
+            case Mesh mesh -> mesh(mesh, density);
+        };
+    }
+
+    private static MassProperties sphere(double radius, double density) {
+        double volume = 4 * Math.PI / 3 * radius * radius * radius;
+        double moment = 0.4 * volume * density * radius * radius;
+        return new MassProperties(volume, volume * density, new double[3],
+                new double[] {moment, moment, moment}, new double[3]);
+    }
+
+    private static MassProperties box(double x, double y, double z, double density) {
+        double mass = x * y * z * density;
+        return new MassProperties(x * y * z, mass, new double[3], new double[] {
+            mass / 12 * (y * y + z * z), mass / 12 * (z * z + x * x), mass / 12 * (x * x + y * y)},
+                new double[3]);
+    }
+
+    /**
+     * The sum over the tetrahedra between each triangle and one inner point, each with the sign of
+     * the side that the triangle shows to that point; exact for polyhedra. F. Tonon, Explicit exact
+     * formulas for the 3-D tetrahedron inertia tensor, J. Math. Stat. 1 (2005), 8-11.
+     */
+    private static MassProperties mesh(Mesh mesh, double density) {
+        ClosedSurface.require(mesh);
+        double[] inner = new double[3];
+        for (int axis = 0; axis < 3; axis++) {
+            inner[axis] = 0.5 * (mesh.min(axis) + mesh.max(axis));
+        }
+        FloatBuffer vertices = mesh.vertices();
+        IntBuffer triangles = mesh.triangles();
+        double sixVolumes = 0;
+        double[] first = new double[3];     // sums of determinant x coordinate
+        double[] second = new double[6];    // of determinant x products: xx yy zz yz zx xy
+        double[][] corners = new double[3][3];
+        while (triangles.hasRemaining()) {
+            for (double[] corner : corners) {
+                int at = 3 * triangles.get();
+                for (int axis = 0; axis < 3; axis++) {
+                    corner[axis] = vertices.get(at + axis) - inner[axis];
+                }
+            }
+            double determinant = determinant(corners);
+            sixVolumes += determinant;
+            for (int axis = 0; axis < 3; axis++) {
+                first[axis] += determinant * sum(corners, axis);
+                int next = (axis + 1) % 3;
+                int last = (axis + 2) % 3;
+                second[axis] += determinant * (product(corners, axis, axis)
+                        + sum(corners, axis) * sum(corners, axis));
+                second[3 + axis] += determinant * (product(corners, next, last)
+                        + sum(corners, next) * sum(corners, last));
+            }
+        }
+        if (!(sixVolumes > 0)) {
+            throw new IllegalArgumentException("the triangles of the mesh face inward, or enclose "
+                    + "nothing; expected corners counter-clockwise seen from outside");
+        }
+        return aboutCentre(sixVolumes / 6, density, inner, first, second);
+    }
+
+    private static MassProperties aboutCentre(double volume, double density, double[] inner,
+            double[] first, double[] second) {
+        double[] centre = new double[3];
+        double[] spread = new double[6]; // mean of products of distances from the centre
+        for (int axis = 0; axis < 3; axis++) {
+            centre[axis] = first[axis] / (24 * volume);
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            int next = (axis + 1) % 3;
+            int last = (axis + 2) % 3;
+            spread[axis] = second[axis] / (120 * volume) - centre[axis] * centre[axis];
+            spread[3 + axis] = second[3 + axis] / (120 * volume) - centre[next] * centre[last];
+        }
+        double mass = volume * density;
+        double[] moments = new double[3];
+        double[] products = new double[3];
+        for (int axis = 0; axis < 3; axis++) {
+            moments[axis] = mass * (spread[(axis + 1) % 3] + spread[(axis + 2) % 3]);
+            products[axis] = -mass * spread[3 + axis];
+        }
+        for (int axis = 0; axis < 3; axis++) {
+            centre[axis] += inner[axis];
+        }
+        return new MassProperties(volume, mass, centre, moments, products);
+    }
+
+    private static double determinant(double[][] m) {
+        return m[0][0] * (m[1][1] * m[2][2] - m[1][2] * m[2][1])
+                + m[0][1] * (m[1][2] * m[2][0] - m[1][0] * m[2][2])
+                + m[0][2] * (m[1][0] * m[2][1] - m[1][1] * m[2][0]);
+    }
+
+    private static double sum(double[][] corners, int axis) {
+        return corners[0][axis] + corners[1][axis] + corners[2][axis];
+    }
+
+    private static double product(double[][] corners, int i, int j) {
+        return corners[0][i] * corners[0][j] + corners[1][i] * corners[1][j]
+                + corners[2][i] * corners[2][j];
+    }
+}
