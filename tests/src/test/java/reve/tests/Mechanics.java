@@ -20,7 +20,7 @@ final class Mechanics {
     private final double softening;
 
     /**
-     * @param position by name
+     * @param positions of all bodies by name, scenery too
      * @param immovable the positions of what has mass 0, by name
      * @param kineticEnergy of motion in the world's frame
      * @param energy of motion (in the centre-of-mass frame, unless something holds the world in
@@ -76,6 +76,11 @@ final class Mechanics {
             energy -= m * dot(gravity, x);
             for (int axis = 0; axis < 3; axis++) {
                 momentum[axis] += m * v[axis];
+            }
+        }
+        for (Item item : simulation.world().items()) {
+            if (!item.physical().isEmpty()) {
+                positions.putIfAbsent(item.name(), item.physical().location());
             }
         }
         for (Item spring : springs) {
