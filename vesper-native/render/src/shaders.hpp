@@ -176,7 +176,7 @@ void main() {
   // What a metal mirrors: a bright sky over a dark ground, blurred as it is rough.
   float blur = 0.1 + roughness;
   float above = smoothstep(-blur, blur, reflect(-to_eye, n).y);
-  lit += metallic * colour * mix(0.25, 1.1, above) * (ambient + 0.5 * light);
+  lit += metallic * colour * mix(0.45, 1.3, above) * (ambient + 0.5 * light);
 #endif
   vec3 shown = mix(lit, colour, float(item & 1u));
 #ifdef PLANE

@@ -30,9 +30,10 @@ final class ImageDecoder {
             reader.setInput(in, true, true);
             int width = reader.getWidth(0);
             int height = reader.getHeight(0);
-            if ((long) width * height > Texture.MAX_PIXELS) {
+            if (!Texture.fits(width, height)) {
                 throw new AssetException(name + ": an image of " + width + " x " + height
-                        + " pixels, at most " + Texture.MAX_PIXELS + " are allowed");
+                        + " pixels, at most " + Texture.MAX_SIDE + " a side and "
+                        + Texture.MAX_PIXELS + " in all are allowed");
             }
             budget.takePixels(name, (long) width * height);
             return new Texture(width, height, rgba(reader.read(0)), file);

@@ -11,6 +11,8 @@ public final class Texture {
 
     /** Most pixels of one texture. */
     public static final int MAX_PIXELS = 1 << 24;
+    /** Most pixels a side, which any graphics library takes. */
+    public static final int MAX_SIDE = 8192;
 
     private final int width;
     private final int height;
@@ -26,9 +28,9 @@ public final class Texture {
      * @throws IllegalArgumentException if there are no or too many pixels, or not 4 bytes each
      */
     public Texture(int width, int height, byte[] rgba, Optional<String> file) {
-        if (width < 1 || height < 1 || (long) width * height > MAX_PIXELS) {
+        if (!fits(width, height)) {
             throw new IllegalArgumentException("texture of " + width + " x " + height
-                    + " pixels, expected 1 to " + MAX_PIXELS);
+                    + " pixels, expected 1 to " + MAX_SIDE + " a side and at most " + MAX_PIXELS);
         }
         if (rgba.length != 4 * width * height) {
             throw new IllegalArgumentException("texture of " + width + " x " + height
@@ -38,6 +40,12 @@ public final class Texture {
         this.height = height;
         this.rgba = rgba.clone();
         this.file = file;
+    }
+
+    /** Whether a texture may have that many pixels. */
+    public static boolean fits(int width, int height) {
+        return width >= 1 && height >= 1 && width <= MAX_SIDE && height <= MAX_SIDE
+                && width * height <= MAX_PIXELS;
     }
 
     /** [px]. */
