@@ -2,6 +2,7 @@ package reve.core.access;
 
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -14,6 +15,7 @@ import reve.core.world.Colour;
 import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
+import reve.core.world.ItemId;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.SemanticAspect;
@@ -21,13 +23,15 @@ import reve.core.world.WorldEvent;
 
 /**
  * Does the effects of one call, all or none: everything that can fail is checked first, against the
- * world as it was before. What is removed goes last.
+ * world as it was before and the physics that earlier effects give, as two subjects may be the same
+ * item. What is removed goes last.
  */
 final class Changes {
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
 
     private final ActionCall call;
+    private final Map<ItemId, Map<String, double[]>> planned = new HashMap<>();
     private final List<ItemDefinition> created = new ArrayList<>();
     private final List<Runnable> all = new ArrayList<>();
     private final List<Runnable> last = new ArrayList<>();
@@ -112,7 +116,7 @@ final class Changes {
 
     private Runnable impulse(Item item, Effect.Impulse effect) throws ActionRefused {
         double mass = requireMovable(item, "impulse");
-        double[] velocity = item.physics().vector("velocity");
+        double[] velocity = physics(item, "velocity").clone();
         double[] kick = numbers(effect.impulse(), 3, Effect.Impulse.UNIT);
         for (int i = 0; i < velocity.length; i++) {
             velocity[i] += kick[i] / mass;
@@ -228,7 +232,14 @@ final class Changes {
 
     private Runnable setting(Item item, String property, double[] values) throws ActionRefused {
         requireFits(item, column(item, property), values);
+        planned.computeIfAbsent(item.id(), id -> new HashMap<>()).put(property, values);
         return () -> item.physics().set(property, values);
+    }
+
+    /** What a property will be after the effects so far. */
+    private double[] physics(Item item, String property) {
+        double[] given = planned.getOrDefault(item.id(), Map.of()).get(property);
+        return given != null ? given : item.physics().vector(property);
     }
 
     private Object symbolValue(String item, String symbol, Operand to) throws ActionRefused {
@@ -254,10 +265,10 @@ final class Changes {
         return colour[0];
     }
 
-    private static double requireMovable(Item item, String by) throws ActionRefused {
+    private double requireMovable(Item item, String by) throws ActionRefused {
         requireBody(item);
         requirePhysics(item);
-        double mass = item.physics().scalar("mass");
+        double mass = physics(item, "mass")[0];
         if (mass == 0) {
             throw new ActionRefused("immovable",
                     item.name() + " has mass 0: no " + by + " can move it");

@@ -553,6 +553,7 @@ public final class World {
     }
 
     void setSymbols(Item item, ItemSymbols changed) {
+        requireEditable();
         register.setSymbols(item, changed);
     }
 
