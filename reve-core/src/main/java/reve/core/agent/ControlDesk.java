@@ -38,8 +38,8 @@ final class ControlDesk {
                     edit.item(), edit.property(), edit.value()), outcome -> answer(session, edit, outcome)));
             case ClientMessage.Pause pause -> accept(session, pause, port.loop().pause());
             case ClientMessage.Run run -> {
-                port.loop().resume();
                 accept(session, run, port.loop().frame());
+                port.loop().resume();
             }
             case ClientMessage.Step step -> accept(session, step, port.loop().resume(step.frames()));
             case ClientMessage.ShutDown shutDown -> {

@@ -242,6 +242,7 @@ class AgentLimitsTest {
             room.step();
             for (TestClient agent : agents) {
                 assertThat(agent.expect("result").get("frame").longValue()).isEqualTo(2);
+                agent.skipTo("perception");
                 agent.say("{'t':'bye'}");
             }
             assertThat(room.item("duck").physics().vector("velocity")).containsExactly(count, 0, 0);

@@ -96,11 +96,17 @@ final class TestClient implements AutoCloseable {
 
     /** Reads until the connection ends; the last message must be a bye with that code. */
     void skipToBye(String code) throws IOException {
+        JsonNode message = skipTo("bye");
+        assertThat(message.get("code").stringValue()).as("%s", message).isEqualTo(code);
+    }
+
+    /** Reads up to the next message of that type. */
+    JsonNode skipTo(String type) throws IOException {
         JsonNode message = next();
-        while (!message.get("t").stringValue().equals("bye")) {
+        while (!message.get("t").stringValue().equals(type)) {
             message = next();
         }
-        assertThat(message.get("code").stringValue()).as("%s", message).isEqualTo(code);
+        return message;
     }
 
     @Override
