@@ -191,7 +191,7 @@ class ReplayNativeTest {
         List<String> problems = new ArrayList<>();
         try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
             try (Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                    new Journal.Plan(20, true), failing(kept, 8), problems::add)) {
+                    new Journal.Plan(20, true), failingAtFirstFrames(kept), problems::add)) {
                 simulation.loop().run(100);
             }
             assertThat(simulation.loop().frame()).isEqualTo(100);
@@ -203,14 +203,15 @@ class ReplayNativeTest {
         }
     }
 
-    /** Fails at the n-th record, once. */
-    private static JournalSink failing(List<JournalRecord> kept, int at) {
+    /** Fails at the first group of frames, once: however they are grouped, an image follows. */
+    private static JournalSink failingAtFirstFrames(List<JournalRecord> kept) {
         return new JournalSink() {
-            private int records;
+            private boolean failed;
 
             @Override
             public void write(JournalRecord record) throws IOException {
-                if (++records == at) {
+                if (!failed && record instanceof JournalRecord.Frames) {
+                    failed = true;
                     throw new IOException("disk full");
                 }
                 kept.add(record);
