@@ -5,7 +5,7 @@ import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
 import reve.core.world.World;
 
-/** What an agent wants of the world: done on the world's thread in ACT, answered on the publisher's. */
+/** What an agent wants of the world: done on the world's thread in ACT, answered on the event loop's. */
 public final class AgentCommand implements Command {
 
     private final Publisher publisher;
@@ -14,7 +14,7 @@ public final class AgentCommand implements Command {
     private final AgentInput input;
     private final Consumer<Outcome> answer;
 
-    /** @param answer told how it went, on the publisher's thread */
+    /** @param answer told how it went, on the event loop's thread */
     AgentCommand(Publisher publisher, Members members, long sequence, AgentInput input, Consumer<Outcome> answer) {
         this.publisher = publisher;
         this.members = members;

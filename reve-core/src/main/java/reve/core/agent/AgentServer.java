@@ -2,20 +2,27 @@ package reve.core.agent;
 
 import java.io.Closeable;
 import java.io.IOException;
-import java.io.OutputStream;
 import java.net.BindException;
 import java.net.InetSocketAddress;
-import java.net.ServerSocket;
-import java.net.Socket;
+import java.net.StandardSocketOptions;
+import java.nio.ByteBuffer;
+import java.nio.channels.SelectionKey;
+import java.nio.channels.ServerSocketChannel;
+import java.nio.channels.SocketChannel;
 import java.time.Clock;
 import java.time.Duration;
 import java.util.ArrayDeque;
 import java.util.Deque;
+import java.util.HashSet;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Queue;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
+import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.regex.Pattern;
+import java.util.stream.Stream;
 import reve.core.agent.ServerMessage.Limits;
 import reve.core.agent.ServerMessage.Welcome;
 import reve.core.frame.FramePhase;
@@ -33,7 +40,8 @@ public final class AgentServer implements AutoCloseable {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_.-]{0,63}");
     private static final int BACKLOG = 512;
     private static final int CHECKS_PER_DEADLINE = 4;
-    private static final long ACCEPT_RETRY_MILLIS = 100;
+    /** So that a flood of connections does not keep the others waiting. */
+    private static final int ACCEPTED_PER_TURN = 16;
 
     private final WorldPort port;
     private final AgentServerConfig config;
@@ -41,14 +49,17 @@ public final class AgentServer implements AutoCloseable {
     private final RateLimitedLog log = new RateLimitedLog();
     private final Publisher publisher;
     private final ControlDesk desk;
-    private final ServerSocket socket;
-    private final Set<Connection> connections = ConcurrentHashMap.newKeySet();
+    private final EventLoop loop;
+    private final ServerSocketChannel listening;
+    private final InetSocketAddress address;
+    private final SelectionKey accepting;
+    /** The event loop's own. */
+    private final Set<Connection> connections = new HashSet<>();
+    private final Queue<Connection> toWrite = new ConcurrentLinkedQueue<>();
     private final Map<String, Session> sessions = new ConcurrentHashMap<>();
     private final Deque<AgentCommand> leaving = new ArrayDeque<>();
     private final Optional<AuditLog> audit;
     private final Subscription subscription;
-    private final Thread acceptor;
-    private final Thread watch;
     private volatile boolean closed;
 
     /**
@@ -58,18 +69,15 @@ public final class AgentServer implements AutoCloseable {
      * @throws IOException if the audit file cannot be written
      */
     public static AgentServer start(AgentServerConfig config, WorldPort port) throws IOException {
-        ServerSocket socket = listen(config.address());
-        AgentServer server;
+        ServerSocketChannel listening = listen(config.address());
         try {
-            server = new AgentServer(config, port, socket, openAudit(config));
+            var server = new AgentServer(config, port, listening, openAudit(config));
+            server.loop.start();
+            return server;
         } catch (IOException e) {
-            closeQuietly(socket);
+            closeQuietly(listening);
             throw e;
         }
-        server.publisher.start();
-        server.watch.start();
-        server.acceptor.start();
-        return server;
     }
 
     private static Optional<AuditLog> openAudit(AgentServerConfig config) throws IOException {
@@ -77,21 +85,28 @@ public final class AgentServer implements AutoCloseable {
                 ? Optional.of(new AuditLog(config.audit().get(), Clock.systemUTC())) : Optional.empty();
     }
 
-    private AgentServer(AgentServerConfig config, WorldPort port, ServerSocket socket, Optional<AuditLog> audit) {
+    private AgentServer(AgentServerConfig config, WorldPort port, ServerSocketChannel listening,
+            Optional<AuditLog> audit) throws IOException {
         this.audit = audit;
         this.config = config;
         this.port = port;
-        this.socket = socket;
-        this.publisher = new Publisher(port, log, this::queueLeaving);
+        this.listening = listening;
+        this.address = (InetSocketAddress) listening.getLocalAddress();
+        this.publisher = new Publisher(port, log, this::queueLeaving, this::wake);
         this.desk = new ControlDesk(port, publisher, log);
+        this.loop = new EventLoop(log, new LoopWork(), shortestLimit(config) / CHECKS_PER_DEADLINE);
+        this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
         this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
-        this.acceptor = Thread.ofVirtual().name("agent acceptor").unstarted(this::accept);
-        this.watch = Thread.ofVirtual().name("agent deadlines").unstarted(this::watch);
+    }
+
+    private static long shortestLimit(AgentServerConfig config) {
+        return Stream.of(config.hello(), config.line(), config.idle(), config.write(), config.linger())
+                .mapToLong(Duration::toNanos).min().orElseThrow();
     }
 
     /** Where it listens, with the port it got. */
     public InetSocketAddress address() {
-        return (InetSocketAddress) socket.getLocalSocketAddress();
+        return address;
     }
 
     public AgentStats stats() {
@@ -104,27 +119,69 @@ public final class AgentServer implements AutoCloseable {
         if (closed) {
             return;
         }
-        closed = true;
         subscription.close();
-        closeQuietly(socket);
-        connections.forEach(connection -> connection.end(Ending.regular("closing", "the server ends")));
+        loop.later(() -> {
+            closed = true;
+            closeQuietly(listening);
+            connections.forEach(connection -> connection.end(Ending.regular("closing", "the server ends")));
+        });
         try {
-            for (Connection connection : connections) {
-                if (!connection.join(config.linger())) {
-                    connection.closeSocket();
-                }
+            if (!loop.join(2 * config.linger().toMillis())) {
+                loop.stop();
             }
-            acceptor.join();
         } catch (InterruptedException e) {
-            connections.forEach(Connection::closeSocket);
+            loop.stop();
             Thread.currentThread().interrupt();
         }
-        watch.interrupt();
-        publisher.stop();
         audit.ifPresent(AgentServer::closeQuietly);
     }
 
+    /** What the event loop does in every turn, after it has read. */
+    private final class LoopWork implements EventLoop.Work {
+
+        @Override
+        public boolean isWaiting() {
+            return publisher.hasNews() || !toWrite.isEmpty();
+        }
+
+        @Override
+        public void run() {
+            if (publisher.hasNews()) {
+                publisher.tell();
+            }
+            for (Connection connection = toWrite.poll(); connection != null; connection = toWrite.poll()) {
+                connection.write();
+            }
+            if (closed && connections.isEmpty()) {
+                loop.stop();
+            }
+        }
+
+        @Override
+        public void checkDeadlines(long nowNanos) {
+            List.copyOf(connections).forEach(connection -> connection.checkDeadlines(nowNanos));
+            sessions.values().forEach(session -> session.checkGrace(nowNanos));
+            if (accepting.isValid()) {
+                accepting.interestOps(SelectionKey.OP_ACCEPT);
+            }
+        }
+    }
+
     // ---- for connections and sessions ----
+
+    EventLoop loop() {
+        return loop;
+    }
+
+    private void wake() {
+        loop.wake();
+    }
+
+    /** Has what waits for a client written in this turn. */
+    void writeSoon(Connection connection) {
+        toWrite.add(connection);
+        loop.wake();
+    }
 
     AgentServerConfig config() {
         return config;
@@ -241,14 +298,13 @@ public final class AgentServer implements AutoCloseable {
 
     // ---- connections ----
 
-    private static ServerSocket listen(InetSocketAddress address) throws IOException {
-        var socket = new ServerSocket();
+    private static ServerSocketChannel listen(InetSocketAddress address) throws IOException {
+        ServerSocketChannel listening = ServerSocketChannel.open();
         try {
-            socket.setReuseAddress(true);
-            socket.bind(address, BACKLOG);
-            return socket;
+            listening.setOption(StandardSocketOptions.SO_REUSEADDR, true);
+            return listening.bind(address, BACKLOG);
         } catch (IOException e) {
-            closeQuietly(socket);
+            closeQuietly(listening);
             var unbound = new BindException("cannot serve agents on " + address.getHostString() + " port "
                     + address.getPort() + ": " + e.getMessage());
             unbound.initCause(e);
@@ -257,66 +313,45 @@ public final class AgentServer implements AutoCloseable {
     }
 
     private void accept() {
-        while (!closed) {
-            try {
-                admit(socket.accept());
-            } catch (IOException e) {
-                pauseAfter(e);
+        try {
+            for (int i = 0; i < ACCEPTED_PER_TURN; i++) {
+                SocketChannel accepted = listening.accept();
+                if (accepted == null) {
+                    return;
+                }
+                admit(accepted);
             }
+        } catch (IOException e) { // out of descriptors: wait for some to come free
+            log.error("accepting a connection failed", e);
+            accepting.interestOps(0);
         }
     }
 
-    private void admit(Socket connection) {
+    private void admit(SocketChannel channel) {
         counters.connections.increment();
-        if (counters.open.sum() >= config.maxConnections()) {
-            turnAway(connection);
+        if (connections.size() >= config.maxConnections()) {
+            turnAway(channel);
             return;
         }
-        var accepted = new Connection(this, connection);
-        connections.add(accepted);
-        counters.open.increment();
-        accepted.start();
-        if (closed) { // close() may have looked before we added it
-            accepted.end(Ending.regular("closing", "the server ends"));
+        try {
+            connections.add(new Connection(this, Wire.of(channel)));
+            counters.open.increment();
+        } catch (IOException e) {
+            closeQuietly(channel); // it has gone by itself
         }
     }
 
-    private void turnAway(Socket connection) {
+    private void turnAway(SocketChannel channel) {
         Ending why = Ending.cut("too-many-connections",
                 "the server has " + config.maxConnections() + " connections, which is all it takes");
         counters.cut.increment();
-        try (connection; OutputStream out = connection.getOutputStream()) {
-            out.write(why.bye().in(Encoding.JSON));
-            connection.shutdownOutput();
+        try (channel) {
+            log.warn("a client at " + channel.getRemoteAddress() + " was turned away: " + why.getMessage());
+            channel.configureBlocking(false);
+            channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
+            channel.shutdownOutput();
         } catch (IOException e) {
             // It has gone by itself.
-        }
-        log.warn("a client at " + connection.getRemoteSocketAddress() + " was turned away: " + why.getMessage());
-    }
-
-    /** Accepting fails when the process is out of descriptors: wait for some to come free. */
-    private void pauseAfter(IOException failure) {
-        if (!closed) {
-            log.error("accepting a connection failed", failure);
-            pause(ACCEPT_RETRY_MILLIS);
-        }
-    }
-
-    private void watch() {
-        long shortest = Math.min(config.write().toMillis(), config.linger().toMillis());
-        while (!Thread.currentThread().isInterrupted()) {
-            pause(Math.max(1, shortest / CHECKS_PER_DEADLINE));
-            long now = System.nanoTime();
-            connections.forEach(connection -> connection.checkDeadlines(now));
-            sessions.values().forEach(session -> session.checkGrace(now));
-        }
-    }
-
-    private static void pause(long millis) {
-        try {
-            Thread.sleep(millis);
-        } catch (InterruptedException e) {
-            Thread.currentThread().interrupt();
         }
     }
 

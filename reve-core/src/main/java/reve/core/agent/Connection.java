@@ -1,32 +1,40 @@
 package reve.core.agent;
 
-import java.io.BufferedOutputStream;
 import java.io.IOException;
-import java.io.InputStream;
-import java.io.OutputStream;
-import java.net.Socket;
+import java.net.SocketAddress;
 import java.nio.ByteBuffer;
-import java.time.Duration;
+import java.nio.channels.SelectionKey;
+import java.util.concurrent.atomic.AtomicBoolean;
 import org.jspecify.annotations.Nullable;
 
 /**
- * One connection: a reader and a writer of its own, and the session behind it once it has said hello. However it
- * ends, it ends once, with a reason.
+ * One connection, and the session behind it once it has said hello. However it ends, it ends once, with a reason:
+ * then what waits is written, and what the client still sends is read and thrown away until it closes too, since
+ * its last lines would else reset the connection before it has read its bye.
  */
-final class Connection {
+final class Connection implements EventLoop.Handler {
 
-    private static final int SEND_BUFFER_BYTES = 64 * 1024;
-    private static final int WRITE_BUFFER_BYTES = 16 * 1024;
     private static final int MAX_DRAINED_BYTES = 1024 * 1024;
+    private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
 
     private final AgentServer server;
     private final AgentServerConfig config;
     private final Counters counters;
-    private final Socket socket;
+    private final Wire wire;
+    private final SocketAddress address;
     private final Outbox outbox;
-    private final Thread reader;
-    private final Thread writer;
+
+    // The event loop's thread.
+    private final FrameReader messages;
+    private final SelectionKey key;
+    private ByteBuffer unsent = NOTHING;
+    private long unsentSinceNanos;
     private int errors;
+    private boolean held;
+    private boolean shut;
+    private int drained;
+
+    private final AtomicBoolean toWrite = new AtomicBoolean();
 
     /** Set once, with this held. */
     private volatile @Nullable Session session;
@@ -34,22 +42,17 @@ final class Connection {
     private volatile Encoding encoding = Encoding.JSON;
     private volatile @Nullable Ending ending;
     private volatile long endedNanos;
-    private volatile long writingSinceNanos;
-    private volatile boolean writing;
 
-    Connection(AgentServer server, Socket socket) {
+    /** On the event loop. @throws IOException if it is gone already */
+    Connection(AgentServer server, Wire wire) throws IOException {
         this.server = server;
         this.config = server.config();
         this.counters = server.counters();
-        this.socket = socket;
-        this.outbox = new Outbox(config.outboxMessages(), config.outboxBytes());
-        this.reader = Thread.ofVirtual().name("agent reader").unstarted(this::read);
-        this.writer = Thread.ofVirtual().name("agent writer").unstarted(this::write);
-    }
-
-    void start() {
-        writer.start();
-        reader.start();
+        this.wire = wire;
+        this.address = wire.peer();
+        this.outbox = new Outbox(config.outboxMessages(), config.outboxBytes(), this::wantToWrite);
+        this.messages = new FrameReader(config, () -> send(new ServerMessage.Ping()));
+        this.key = wire.register(server.loop(), this);
     }
 
     // ---- any thread ----
@@ -93,31 +96,8 @@ final class Connection {
         outbox.finish(why.bye().in(encoding)); // who has read its bye has left, and may come back
     }
 
-    /** Called every now and then; ends a write that takes too long and a connection that does not go. */
-    void checkDeadlines(long nowNanos) {
-        if (writing && nowNanos - writingSinceNanos > config.write().toNanos()) {
-            end(Ending.cut("too-slow", "a write took longer than " + config.write().toMillis() / 1000.0 + " s"));
-            closeSocket();
-        } else if (hasEnded() && nowNanos - endedNanos > config.linger().toNanos()) {
-            closeSocket();
-        }
-    }
-
-    /** Waits until the connection is gone. @return false if it is still there after that time */
-    boolean join(Duration timeout) throws InterruptedException {
-        return reader.join(timeout);
-    }
-
-    void closeSocket() {
-        try {
-            socket.close();
-        } catch (IOException e) {
-            // Closing frees the descriptor even when it complains.
-        }
-    }
-
     private void report(Ending why) {
-        String who = session == null ? "a client at " + socket.getRemoteSocketAddress() : session.toString();
+        String who = session == null ? "a client at " + address : session.toString();
         String line = who + " left: " + why.code() + ": " + why.getMessage();
         if (why.isCut()) {
             server.log().warn(line);
@@ -126,50 +106,137 @@ final class Connection {
         }
     }
 
-    // ---- reader ----
+    private void wantToWrite() {
+        if (!toWrite.getAndSet(true)) {
+            server.writeSoon(this);
+        }
+    }
+
+    // ---- the event loop's thread ----
+
+    @Override
+    public void ready(SelectionKey ready) {
+        if (ready.isWritable()) {
+            write();
+        }
+        if (ready.isValid() && ready.isReadable()) {
+            read();
+        }
+    }
+
+    /** Called every now and then; ends what takes too long. */
+    void checkDeadlines(long nowNanos) {
+        try {
+            if (hasEnded()) {
+                if (nowNanos - endedNanos > config.linger().toNanos()) {
+                    close();
+                }
+            } else if (unsent.hasRemaining() && nowNanos - unsentSinceNanos > config.write().toNanos()) {
+                end(Ending.cut("too-slow", "a write took longer than " + config.write().toMillis() / 1000.0 + " s"));
+                close();
+            } else if (!held) {
+                messages.checkTime(nowNanos);
+            }
+        } catch (Ending e) {
+            end(e);
+        }
+    }
+
+    /** Lets go of the socket. */
+    void close() {
+        end(Ending.regular("lost", "the connection broke"));
+        try {
+            wire.close();
+        } catch (IOException e) {
+            // Closing frees the descriptor even when it complains.
+        }
+        server.forget(this);
+    }
+
+    // ---- reading ----
 
     private void read() {
-        try {
-            socket.setTcpNoDelay(true);
-            socket.setSendBufferSize(SEND_BUFFER_BYTES);
-            var messages = new FrameReader(socket, config, () -> send(new ServerMessage.Ping()));
-            for (ByteBuffer next = messages.next(); next != null && !hasEnded(); next = messages.next()) {
-                counters.lines.increment();
-                take(next, messages);
+        guard(() -> {
+            if (hasEnded()) {
+                drain();
+                return;
             }
-            end(Ending.regular("lost", "the client closed the connection without a bye"));
+            boolean open = messages.fill(wire);
+            takeAll();
+            if (!open) {
+                end(Ending.regular("lost", "the client closed the connection without a bye"));
+            }
+        });
+    }
+
+    private interface Reading {
+        void read() throws IOException, Ending;
+    }
+
+    /** However it fails, the connection ends with a reason. */
+    private void guard(Reading reading) {
+        try {
+            reading.read();
         } catch (Ending e) {
             end(e);
         } catch (IOException e) {
-            end(Ending.regular("lost", "the connection broke"));
+            close();
         } catch (Throwable e) {
             fail(e);
-        } finally {
-            letGo();
-            server.forget(this);
+        }
+    }
+
+    private void takeAll() throws Ending {
+        while (!hasEnded() && !held) {
+            ByteBuffer next = messages.next();
+            if (next == null) {
+                return;
+            }
+            counters.lines.increment();
+            take(next);
+        }
+    }
+
+    private void drain() throws IOException {
+        if (!shut) {
+            key.interestOpsAnd(~SelectionKey.OP_READ); // until all is written
+            return;
+        }
+        int count = wire.read(server.loop().writeBuffer());
+        drained += count;
+        if (count < 0 || drained > MAX_DRAINED_BYTES) {
+            close();
         }
     }
 
     /** An error in the server, even of the virtual machine: the agent must not stay behind in the world. */
     private void fail(Throwable error) {
         server.log().error("serving a connection failed", error);
-        end(Ending.regular("failed", "the server has an error; its log says more"));
-    }
-
-    private void take(ByteBuffer bytes, FrameReader messages) throws Ending {
-        try {
-            handle(MessageReader.read(bytes, encoding), messages);
-        } catch (BadMessage e) {
-            counters.errors.increment();
-            send(e.error());
-            errors++;
-            if (errors >= config.maxErrors()) {
-                throw Ending.cut("too-many-errors", errors + " messages were refused");
-            }
+        if (hasEnded()) {
+            close();
+        } else {
+            end(Ending.regular("failed", "the server has an error; its log says more"));
         }
     }
 
-    private void handle(ClientMessage message, FrameReader messages) throws BadMessage, Ending {
+    private void take(ByteBuffer bytes) throws Ending {
+        try {
+            handle(MessageReader.read(bytes, encoding));
+        } catch (BadMessage e) {
+            refuse(e);
+        }
+    }
+
+    private void refuse(BadMessage message) throws Ending {
+        counters.errors.increment();
+        send(message.error());
+        errors++;
+        if (errors >= config.maxErrors()) {
+            throw Ending.cut("too-many-errors", errors + " messages were refused");
+        }
+    }
+
+    private void handle(ClientMessage message) throws BadMessage, Ending {
         Session agent = session;
         if (agent == null) {
             greet(message);
@@ -180,11 +247,42 @@ final class Connection {
             case ClientMessage.Hello again -> throw new BadMessage(again.id(), "hello-again",
                     "this connection is " + agent + " already", "open another connection for another agent");
             case ClientMessage.Perceive perceive -> agent.perceive(perceive);
-            case ClientMessage.Request request -> agent.request(request);
+            case ClientMessage.Act act -> agent.request(act);
+            case ClientMessage.Control control -> hold(agent, control);
             case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()));
             case ClientMessage.Pong pong -> { }
             case ClientMessage.Bye bye -> throw Ending.regular("goodbye", "the agent said bye");
         }
+    }
+
+    /** What may take its time is done on a thread of its own; meanwhile the client is not read. */
+    private void hold(Session client, ClientMessage.Control control) {
+        held = true;
+        key.interestOpsAnd(~SelectionKey.OP_READ);
+        Thread.ofVirtual().name("agent control").start(() -> {
+            try {
+                client.request(control);
+                server.loop().later(() -> release(null));
+            } catch (BadMessage e) {
+                server.loop().later(() -> release(e));
+            } catch (Throwable e) {
+                fail(e);
+            }
+        });
+    }
+
+    private void release(@Nullable BadMessage refused) {
+        held = false;
+        if (!wire.isOpen()) {
+            return;
+        }
+        key.interestOpsOr(SelectionKey.OP_READ);
+        guard(() -> {
+            if (refused != null) {
+                refuse(refused);
+            }
+            takeAll();
+        });
     }
 
     private synchronized void greet(ClientMessage message) throws BadMessage, Ending {
@@ -200,59 +298,80 @@ final class Connection {
         }
     }
 
-    /** Closes so that the last line arrives: what the client still sends would else reset the connection. */
-    private void letGo() {
-        try (socket) {
-            writer.join();
-            InputStream in = socket.getInputStream();
-            socket.setSoTimeout(Math.toIntExact(config.linger().toMillis()));
-            byte[] ignored = new byte[1024];
-            int drained = 0;
-            for (int count = 0; count >= 0 && drained < MAX_DRAINED_BYTES; count = in.read(ignored)) {
-                drained += count;
-            }
-        } catch (IOException e) {
-            // The client, or our deadline, was faster.
-        } catch (InterruptedException e) {
-            Thread.currentThread().interrupt();
-        }
-    }
+    // ---- writing ----
 
-    // ---- writer ----
-
-    private void record(Outbox.Line line) {
-        Session client = session;
-        if (client != null) {
-            server.audit().ifPresent(audit -> audit.told(client.name(), encoding, line));
-        }
-    }
-
-    private void write() {
+    /** Writes what waits, as far as the socket takes it. */
+    void write() {
+        toWrite.set(false);
         try {
-            OutputStream out = new BufferedOutputStream(socket.getOutputStream(), WRITE_BUFFER_BYTES);
-            for (Outbox.Line line = outbox.take(); line != null; line = outbox.take()) {
-                writingSinceNanos = System.nanoTime();
-                writing = true;
-                record(line);
-                out.write(line.head());
-                out.write(line.tail());
-                if (outbox.isEmpty()) {
-                    out.flush();
-                }
-                writing = false;
+            if (wire.isOpen() && writeAll() && outbox.isDone()) {
+                shut();
             }
-            out.flush();
-            socket.shutdownOutput();
         } catch (IOException e) {
-            end(Ending.regular("lost", "the connection broke"));
-            closeSocket();
-        } catch (InterruptedException e) {
-            Thread.currentThread().interrupt();
+            close();
         } catch (Throwable e) {
             fail(e);
-            closeSocket();
-        } finally {
-            writing = false;
+            close();
+        }
+    }
+
+    private boolean writeAll() throws IOException {
+        while (writeUnsent()) {
+            ByteBuffer out = server.loop().writeBuffer();
+            for (Outbox.Line line = next(out); line != null; line = next(out)) {
+                out.put(line.head()).put(line.tail());
+            }
+            if (out.position() > 0) {
+                wire.write(out.flip());
+                keep(out);
+                continue;
+            }
+            Outbox.Line longer = next(null);
+            if (longer == null) {
+                return true;
+            }
+            keep(ByteBuffer.allocate(longer.bytes()).put(longer.head()).put(longer.tail()).flip());
+        }
+        return false;
+    }
+
+    private Outbox.@Nullable Line next(@Nullable ByteBuffer room) {
+        Outbox.Line line = outbox.poll(room == null ? Integer.MAX_VALUE : room.remaining());
+        Session client = session;
+        if (line != null && client != null) {
+            server.audit().ifPresent(audit -> audit.told(client.name(), encoding, line));
+        }
+        return line;
+    }
+
+    /** The socket takes no more now. */
+    private void keep(ByteBuffer rest) {
+        if (rest.hasRemaining()) {
+            unsent = rest.isDirect() ? ByteBuffer.allocate(rest.remaining()).put(rest).flip() : rest;
+            unsentSinceNanos = System.nanoTime();
+        }
+    }
+
+    /** @return true if nothing is left of what was to be written */
+    private boolean writeUnsent() throws IOException {
+        if (unsent.hasRemaining()) {
+            wire.write(unsent);
+            if (unsent.hasRemaining()) {
+                key.interestOpsOr(SelectionKey.OP_WRITE);
+                return false;
+            }
+            unsent = NOTHING;
+            key.interestOpsAnd(~SelectionKey.OP_WRITE);
+        }
+        return true;
+    }
+
+    /** All is written; the client closes next. */
+    private void shut() throws IOException {
+        if (!shut) {
+            shut = true;
+            wire.shutdownOutput();
+            key.interestOpsOr(SelectionKey.OP_READ);
         }
     }
 }

@@ -11,7 +11,7 @@ import reve.core.world.ItemSymbols;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 
-/** One version of what is symbolic about an item, as messages hold it. Publisher's thread. */
+/** One version of what is symbolic about an item, as messages hold it. The event loop's thread. */
 final class EncodedItem {
 
     private final ItemSymbols source;

@@ -21,7 +21,7 @@ import reve.core.world.WorldSnapshot;
 
 /**
  * The newest frame as the publisher has read it: all that there is to perceive, and what sensors make of it. What
- * did not change since the frame before is the same object as there. Publisher's thread.
+ * did not change since the frame before is the same object as there. The event loop's thread.
  */
 final class Observatory {
 

@@ -6,7 +6,7 @@ import org.jspecify.annotations.Nullable;
 
 /**
  * What waits to be written to one client. Messages keep their order and are bounded; of perceptions only the
- * newest waits. Filled from any thread, emptied by the connection's writer.
+ * newest waits. Filled from any thread, emptied by the event loop.
  */
 final class Outbox {
 
@@ -22,6 +22,7 @@ final class Outbox {
 
     private final int maxMessages;
     private final int maxBytes;
+    private final Runnable filled;
     private final Deque<Line> messages = new ArrayDeque<>();
     private int bytes;
     private @Nullable Line answer;
@@ -30,9 +31,11 @@ final class Outbox {
     private @Nullable View told;
     private boolean finished;
 
-    Outbox(int maxMessages, int maxBytes) {
+    /** @param filled told, with this held, whenever there is something to write */
+    Outbox(int maxMessages, int maxBytes, Runnable filled) {
         this.maxMessages = maxMessages;
         this.maxBytes = maxBytes;
+        this.filled = filled;
     }
 
     /** Adds a message. @return false if the client has let too many pile up */
@@ -51,7 +54,7 @@ final class Outbox {
     synchronized void offerAnswer(Line perception) {
         if (!finished) {
             answer = perception;
-            notifyAll();
+            filled.run();
         }
     }
 
@@ -75,7 +78,7 @@ final class Outbox {
         }
         latest = perception;
         latestView = view;
-        notifyAll();
+        filled.run();
         return true;
     }
 
@@ -103,36 +106,40 @@ final class Outbox {
         }
     }
 
-    /** Waits for the next line to write; null when all is written and nothing more will come. */
-    synchronized @Nullable Line take() throws InterruptedException {
-        while (isEmpty()) {
-            if (finished) {
-                return null;
-            }
-            wait();
+    /** The next line to write, if it is no longer than that; else null. */
+    synchronized @Nullable Line poll(int maxLength) {
+        Line line = next();
+        if (line == null || line.bytes() > maxLength) {
+            return null;
         }
-        Line line;
         if (!messages.isEmpty()) {
-            line = messages.removeFirst();
+            messages.removeFirst();
             bytes -= line.bytes();
         } else if (answer != null) {
-            line = answer;
             answer = null;
         } else {
-            line = latest;
             latest = null;
             told = latestView;
         }
         return line;
     }
 
+    private @Nullable Line next() {
+        return !messages.isEmpty() ? messages.getFirst() : answer != null ? answer : latest;
+    }
+
+    /** True when nothing waits, and nothing more will come. */
+    synchronized boolean isDone() {
+        return finished && isEmpty();
+    }
+
     synchronized boolean isEmpty() {
-        return messages.isEmpty() && answer == null && latest == null;
+        return next() == null;
     }
 
     private void add(Line line) {
         messages.addLast(line);
         bytes += line.bytes();
-        notifyAll();
+        filled.run();
     }
 }

@@ -7,14 +7,13 @@ import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
-import java.util.concurrent.locks.LockSupport;
 import reve.core.frame.FrameEvent;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldSnapshot;
 
 /**
  * Tells agents what the frames brought: results, events, perceptions. The world's thread only leaves word here,
- * without a lock; a thread of the publisher's own does the work for all agents.
+ * without a lock; the event loop does the work for all agents.
  */
 final class Publisher {
 
@@ -31,29 +30,23 @@ final class Publisher {
     private final AtomicInteger eventFrames = new AtomicInteger();
     private final AtomicInteger lostEventFrames = new AtomicInteger();
     private final List<Session> members = new ArrayList<>();
-    private final Thread thread;
+    private final Runnable wake;
     private volatile long published;
-    private volatile boolean stopped;
+    private volatile boolean news;
     private long served;
 
     /** The events of one frame. */
     private record Happened(long frame, List<WorldEvent> events) {}
 
-    /** @param afterFrame what else is to be done when a frame has passed, on the publisher's thread */
-    Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame) {
+    /**
+     * @param afterFrame what else is to be done when a frame has passed, on the event loop
+     * @param wake lets the event loop know that there is something to tell
+     */
+    Publisher(WorldPort port, RateLimitedLog log, Runnable afterFrame, Runnable wake) {
         this.port = port;
         this.log = log;
         this.afterFrame = afterFrame;
-        this.thread = Thread.ofPlatform().name("agent publisher").daemon().unstarted(this::run);
-    }
-
-    void start() {
-        thread.start();
-    }
-
-    void stop() {
-        stopped = true;
-        LockSupport.unpark(thread);
+        this.wake = wake;
     }
 
     // ---- world's thread ----
@@ -70,15 +63,25 @@ final class Publisher {
             }
         }
         published = event.frame();
-        LockSupport.unpark(thread);
+        bring();
     }
 
     // ---- any thread ----
 
-    /** Has something told to a client on the publisher's thread, before the next perception. */
+    /** Has something told to a client on the event loop, before the next perception. */
     void later(Runnable report) {
         reports.add(report);
-        LockSupport.unpark(thread);
+        bring();
+    }
+
+    private void bring() {
+        news = true;
+        wake.run();
+    }
+
+    /** True if there may be something to tell. */
+    boolean hasNews() {
+        return news;
     }
 
     /** The last frame that was published. */
@@ -86,21 +89,20 @@ final class Publisher {
         return published;
     }
 
-    // ---- publisher's thread ----
+    // ---- the event loop's thread ----
 
     /** From now on the session is told what happens. */
     void admit(Session session) {
         members.add(session);
     }
 
-    private void run() {
-        while (!stopped) {
-            try {
-                publish();
-            } catch (Throwable e) { // nobody else would tell agents anything, or know why
-                log.error("telling agents about frame " + published + " failed", e);
-            }
-            LockSupport.park(this);
+    /** Tells what there is. */
+    void tell() {
+        news = false;
+        try {
+            publish();
+        } catch (Throwable e) { // nobody else would tell agents anything, or know why
+            log.error("telling agents about frame " + published + " failed", e);
         }
     }
 

@@ -14,7 +14,7 @@ import reve.core.world.ItemId;
 import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
 
-/** What one agent perceives through its body's sensors, each at its own pace. Publisher's thread. */
+/** What one agent perceives through its body's sensors, each at its own pace. The event loop's thread. */
 final class Senses {
 
     /** The fields of events that name items. */

@@ -30,7 +30,7 @@ final class Session {
     private final double graceSeconds;
     private final String token;
 
-    /** Publisher's thread; null for who perceives everything. */
+    /** The event loop's thread; null for who perceives everything. */
     private @Nullable Senses senses;
 
     // Guarded by this.
@@ -105,7 +105,7 @@ final class Session {
         return role.wireName() + " " + name;
     }
 
-    // ---- publisher's thread ----
+    // ---- the event loop's thread ----
 
     /** The agent has its body, or cannot have one. */
     void joined(Outcome outcome) {

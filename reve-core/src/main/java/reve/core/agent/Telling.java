@@ -5,7 +5,7 @@ import java.util.IdentityHashMap;
 import java.util.Map;
 import org.jspecify.annotations.Nullable;
 
-/** Encodes what agents are told of a frame; what several are told alike is encoded once. Publisher's thread. */
+/** Encodes what agents are told of a frame; what several are told alike is encoded once. The event loop's thread. */
 final class Telling {
 
     private final Map<View, Map<Encoding, View.Told>> since = new IdentityHashMap<>();

@@ -4,13 +4,16 @@ import static org.assertj.core.api.Assertions.assertThat;
 
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
-import java.io.InputStream;
-import java.io.OutputStream;
-import java.net.Socket;
+import java.net.InetSocketAddress;
+import java.net.SocketAddress;
+import java.nio.ByteBuffer;
+import java.nio.channels.Pipe;
+import java.nio.channels.SelectionKey;
 import java.nio.charset.StandardCharsets;
-import java.time.Duration;
 import java.util.Map;
+import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
+import java.util.concurrent.TimeUnit;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
@@ -19,7 +22,7 @@ import reve.core.world.WorldEvent;
 /** What an error in the server itself, even of the virtual machine, costs agents. */
 class AgentErrorsTest {
 
-    private static final Duration PATIENCE = Duration.ofSeconds(20);
+    private static final long PATIENCE_SECONDS = 20;
 
     private AgentRoom room;
 
@@ -47,20 +50,36 @@ class AgentErrorsTest {
 
     @Test
     void anErrorWhileReadingEndsTheConnectionWithABye() throws Exception {
-        var written = new ByteArrayOutputStream();
-        var session = new Connection(room.server, new OddSocket(written, true, false));
-        session.start();
-        assertThat(session.join(PATIENCE)).isTrue();
-        assertThat(written.toString(StandardCharsets.UTF_8)).contains("\"code\":\"failed\"");
+        try (var wire = new OddWire(true, false)) {
+            Connection connection = connect(wire);
+            assertThat(wire.closed.await(PATIENCE_SECONDS, TimeUnit.SECONDS)).isTrue();
+            assertThat(connection.hasEnded()).isTrue();
+            assertThat(wire.written.toString(StandardCharsets.UTF_8)).contains("\"code\":\"failed\"");
+        }
     }
 
     @Test
     void anErrorWhileWritingEndsTheConnection() throws Exception {
-        var session = new Connection(room.server,
-                new OddSocket(new ByteArrayOutputStream(), false, true));
-        session.start();
-        assertThat(session.join(PATIENCE)).isTrue();
-        assertThat(session.hasEnded()).isTrue();
+        try (var wire = new OddWire(false, true)) {
+            Connection connection = connect(wire);
+            assertThat(wire.closed.await(PATIENCE_SECONDS, TimeUnit.SECONDS)).isTrue();
+            assertThat(connection.hasEnded()).isTrue();
+        }
+    }
+
+    /** A connection that has something to read and something to write. */
+    private Connection connect(OddWire wire) throws Exception {
+        var made = new CompletableFuture<Connection>();
+        room.server.loop().later(() -> {
+            try {
+                var connection = new Connection(room.server, wire);
+                connection.send(new ServerMessage.Ping());
+                made.complete(connection);
+            } catch (IOException e) {
+                made.completeExceptionally(e);
+            }
+        });
+        return made.get(PATIENCE_SECONDS, TimeUnit.SECONDS);
     }
 
     private static final class OddNumber extends Number {
@@ -88,59 +107,65 @@ class AgentErrorsTest {
         }
     }
 
-    /** A connection whose client says nothing; one of its ends fails. */
-    private static final class OddSocket extends Socket {
+    /** A client that sends something, and closes then; reading it or writing to it fails. */
+    private static final class OddWire implements Wire {
 
+        private final Pipe pipe = Pipe.open();
+        private final ByteArrayOutputStream written = new ByteArrayOutputStream();
         private final CountDownLatch closed = new CountDownLatch(1);
-        private final OutputStream written;
         private final boolean failsToRead;
         private final boolean failsToWrite;
 
-        OddSocket(OutputStream written, boolean failsToRead, boolean failsToWrite) {
-            this.written = written;
+        OddWire(boolean failsToRead, boolean failsToWrite) throws IOException {
             this.failsToRead = failsToRead;
             this.failsToWrite = failsToWrite;
+            pipe.sink().close();
         }
 
         @Override
-        public void setTcpNoDelay(boolean on) {
+        public SocketAddress peer() {
+            return new InetSocketAddress(0);
+        }
+
+        @Override
+        public SelectionKey register(EventLoop loop, EventLoop.Handler handler) throws IOException {
+            return loop.register(pipe.source(), SelectionKey.OP_READ, handler);
+        }
+
+        @Override
+        public int read(ByteBuffer bytes) {
             if (failsToRead) {
                 throw new OutOfMemoryError("an error of the virtual machine");
             }
+            return -1;
         }
 
         @Override
-        public OutputStream getOutputStream() {
+        public int write(ByteBuffer bytes) {
             if (failsToWrite) {
                 throw new OutOfMemoryError("an error of the virtual machine");
             }
-            return written;
+            int count = bytes.remaining();
+            while (bytes.hasRemaining()) {
+                written.write(bytes.get());
+            }
+            return count;
         }
 
         @Override
-        public InputStream getInputStream() {
-            return new InputStream() {
-                @Override
-                public int read() throws IOException {
-                    try {
-                        closed.await();
-                        return -1;
-                    } catch (InterruptedException e) {
-                        throw new IOException(e);
-                    }
-                }
-            };
+        public void shutdownOutput() {
+            // nobody waits for it
         }
 
         @Override
-        public void setSoTimeout(int millis) {
-            // waits until it is closed
+        public boolean isOpen() {
+            return pipe.source().isOpen();
         }
 
         @Override
         public void close() throws IOException {
+            pipe.source().close();
             closed.countDown();
-            super.close();
         }
     }
 }

@@ -10,10 +10,10 @@ import org.junit.jupiter.api.Test;
 /** The order in which one client is told things. */
 class OutboxTest {
 
-    private final Outbox outbox = new Outbox(2, 100);
+    private final Outbox outbox = new Outbox(2, 100, () -> { });
 
     @Test
-    void whatHappenedComesBeforeThePerceptionsThatShowIt() throws InterruptedException {
+    void whatHappenedComesBeforeThePerceptionsThatShowIt() {
         outbox.offerLatest(perception("latest"), view(1), null);
         outbox.offerAnswer(perception("answer"));
         outbox.offer(bytes("event"));
@@ -22,8 +22,7 @@ class OutboxTest {
     }
 
     @Test
-    void whatHappenedComesBeforeThePerceptionAlsoWhenTheConnectionEnds()
-            throws InterruptedException {
+    void whatHappenedComesBeforeThePerceptionAlsoWhenTheConnectionEnds() {
         outbox.offer(bytes("result"));
         outbox.offer(bytes("event"));
         outbox.offerAnswer(perception("answer"));
@@ -38,19 +37,19 @@ class OutboxTest {
     }
 
     @Test
-    void whatWasWrittenMakesRoomForMore() throws InterruptedException {
+    void whatWasWrittenMakesRoomForMore() {
         for (int i = 0; i < 10; i++) {
             assertThat(outbox.offer(new byte[50])).isTrue();
             assertThat(outbox.offer(new byte[50])).isTrue();
             assertThat(outbox.offer(new byte[0])).as("a third message").isFalse();
-            outbox.take();
+            outbox.poll(Integer.MAX_VALUE);
             assertThat(outbox.offer(new byte[51])).as("101 bytes").isFalse();
-            outbox.take();
+            outbox.poll(Integer.MAX_VALUE);
         }
     }
 
     @Test
-    void aDifferenceIsTakenOnlyToWhatTheClientWasHandedLast() throws InterruptedException {
+    void aDifferenceIsTakenOnlyToWhatTheClientWasHandedLast() {
         View first = view(1);
         assertThat(outbox.offerLatest(perception("first"), first, null)).isTrue();
         assertThat(outbox.offerLatest(perception("second"), view(2), null)).as("nobody has read the first").isTrue();
@@ -67,8 +66,8 @@ class OutboxTest {
         return new View(frame, 0, List.of());
     }
 
-    private String take() throws InterruptedException {
-        Outbox.Line line = outbox.take();
+    private String take() {
+        Outbox.Line line = outbox.poll(Integer.MAX_VALUE);
         return line == null ? null : text(line.head()) + text(line.tail());
     }
 
