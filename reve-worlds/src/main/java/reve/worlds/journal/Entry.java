@@ -26,6 +26,8 @@ final class Entry {
     @Nullable SimulationImage image;
     /** Whether the image stands for the frame: its changes do not tell what became of the world. */
     boolean begins;
+    /** Whether it is the image that ends the journal, without a frame. */
+    boolean last;
     Map<String, Long> members = Map.of();
 
     Entry(int digestSize) {

@@ -30,6 +30,11 @@ final class EntryRing {
         return written.getPlain() - read.getAcquire() == entries.length;
     }
 
+    /** Whether the other thread is done with all that it was handed. */
+    boolean isEmpty() {
+        return written.getPlain() == read.getAcquire();
+    }
+
     /** Hands the filled entry over. */
     void commit() {
         written.setRelease(written.getPlain() + 1);

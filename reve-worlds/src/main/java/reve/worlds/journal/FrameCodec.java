@@ -17,7 +17,7 @@ import reve.pe.adapter.LawChange;
 import tools.jackson.databind.JsonNode;
 
 /**
- * Frames of a journal as lines of JSON: {@code frame}, {@code changes} before PHYSICS and {@code
+ * Frames of a journal as JSON: {@code frame}, {@code changes} before PHYSICS and {@code
  * late} ones after it, changes of the {@code laws}, the {@code events} for whoever reads it, and
  * digests: {@code before} PHYSICS where there were changes, and the {@code digest} of the frame's end,
  * each the part that is not as in the one before it. One thread; frames in their order.
@@ -27,6 +27,7 @@ public final class FrameCodec {
 
     private final ChangeCodec changes;
     private final long[] digest;
+    private boolean whole;
 
     /** @param digestSize how many numbers a digest has */
     public FrameCodec(WorldHeader header, int digestSize) {
@@ -39,9 +40,9 @@ public final class FrameCodec {
         return changes;
     }
 
-    /** An image was written or read: the next frame has the whole digest. */
-    public void begin() {
-        Arrays.fill(digest, 0);
+    /** An image was taken: the next frame that is written has the whole digest. */
+    void begin() {
+        whole = true;
     }
 
     /** @throws IllegalArgumentException if a change of it has no form */
@@ -131,12 +132,13 @@ public final class FrameCodec {
     private String delta(long[] now) {
         ByteBuffer parts = ByteBuffer.allocate(PART_BYTES * now.length / 2);
         for (int i = 0; i < now.length; i += 2) {
-            if (now[i] != digest[i] || now[i + 1] != digest[i + 1]) {
+            if (whole || now[i] != digest[i] || now[i + 1] != digest[i + 1]) {
                 parts.putShort((short) (i / 2)).putLong(now[i]).putLong(now[i + 1]);
                 digest[i] = now[i];
                 digest[i + 1] = now[i + 1];
             }
         }
+        whole = false;
         return Base64.getEncoder()
                 .encodeToString(Arrays.copyOf(parts.array(), parts.position()));
     }

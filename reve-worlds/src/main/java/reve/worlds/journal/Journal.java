@@ -24,13 +24,20 @@ import reve.pe.adapter.PhysicsAdapter;
 /**
  * Keeps a journal of a running world: an image first, and again every so many frames; in between,
  * whatever changed the world other than laws, and a digest of each frame. The world's thread copies
- * and sums up; a thread of the journal's own writes. If writing fails the world goes on, and the
- * journal with the next image. Made and closed by the world's thread, between frames.
+ * and sums up; threads of the journal's own write. No frame begins to act before the one before it
+ * is written, so that the end of the process costs one frame at most, unless the disk lets the world
+ * wait for too long. If writing fails the world goes on, and the journal with the next image. Made
+ * and closed by the world's thread, between frames.
  */
 public final class Journal implements AutoCloseable {
     private static final int FRAMES_WAITING = 2048;
     private static final int IMAGES_WAITING = 2;
-    private static final long PATIENCE_NANOSECONDS = 1_000_000;
+    private static final long PAUSE_NANOSECONDS = 50_000;
+    private static final int SPINS = 2_000;
+    /** How long a frame waits for the one before it, where the wall clock paces the world. */
+    private static final long FRAME_PATIENCE_NANOSECONDS = 200_000_000;
+    /** The same if there is a whole image to be written. */
+    private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
 
     private final World world;
     private final PhysicsAdapter physics;
@@ -42,6 +49,7 @@ public final class Journal implements AutoCloseable {
     private final List<Subscription> subscriptions = new ArrayList<>();
     private final Consumer<LawChange> lawListener;
     private final JournalWriter writer;
+    private final Consumer<String> problems;
     private final List<Entry.Noted> early = new ArrayList<>();
     private final List<LawChange> laws = new ArrayList<>();
     private Map<String, Long> members;
@@ -49,11 +57,13 @@ public final class Journal implements AutoCloseable {
     private long lastImage = -1;
     private long lastFrame;
     private boolean imageWanted = true;
+    /** Whether the disk is behind, and frames no longer wait for it. */
+    private boolean behind;
 
     /**
      * @param imageFrames an image is written every so many frames; 0 for the first one only
-     * @param waits whether the world waits for a slow disk, as when nothing paces it; else the
-     *     journal goes on with the next image
+     * @param waits whether the world waits for a slow disk however long it takes, as when nothing
+     *     paces it; else the operator is told, and the world goes on
      */
     public record Plan(long imageFrames, boolean waits) {}
 
@@ -62,7 +72,7 @@ public final class Journal implements AutoCloseable {
      *
      * @param members ids of the bodies of agents that are in the world, by agent
      * @param sink closed by the journal
-     * @param problems told, on the journal's thread, what went wrong
+     * @param problems told, on any thread, what went wrong
      */
     public Journal(WorldHeader header, World world, PhysicsAdapter physics, FrameBus bus,
             Map<String, Long> members, Plan plan, JournalSink sink, Consumer<String> problems) {
@@ -70,16 +80,20 @@ public final class Journal implements AutoCloseable {
         this.physics = physics;
         this.plan = plan;
         this.members = members;
+        this.problems = problems;
         digest = new WorldDigest(world);
         earlyDigest = new long[digest.size()];
         ring = new EntryRing(FRAMES_WAITING, digest.size());
         for (int i = 0; i < IMAGES_WAITING; i++) {
             rooms.add(new SimulationImage(world));
         }
-        writer = new JournalWriter(header, digest.size(), ring, rooms, sink, problems);
+        writer = new JournalWriter(header, digest.size(), ring, rooms, plan, sink, problems);
         lawListener = laws::add;
         physics.laws().addListener(lawListener);
-        subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
+        subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", frame -> {
+            awaitFrameBefore(frame);
+            noteEarlyChanges();
+        }));
         subscriptions.add(bus.subscribe(FramePhase.PUBLISH, "journal", this::handOver));
         writer.start();
     }
@@ -97,7 +111,7 @@ public final class Journal implements AutoCloseable {
             Entry entry = waitForEntry();
             entry.frame = lastFrame;
             entry.members = members;
-            entry.begins = true;
+            entry.last = true;
             entry.image = copy(lastFrame, true);
             ring.commit();
         }
@@ -105,8 +119,31 @@ public final class Journal implements AutoCloseable {
         rooms.forEach(SimulationImage::close);
     }
 
+    /** What a frame announces is thereby at most one frame ahead of what is written. */
+    private void awaitFrameBefore(FrameEvent frame) {
+        for (int i = 0; i < SPINS && !ring.isEmpty(); i++) {
+            Thread.onSpinWait();
+        }
+        if (ring.isEmpty()) {
+            behind = false;
+            return;
+        }
+        long start = System.nanoTime();
+        long patience = lastFrame == lastImage ? IMAGE_PATIENCE_NANOSECONDS
+                : FRAME_PATIENCE_NANOSECONDS;
+        while (!behind && !ring.isEmpty() && writer.isWorking()) {
+            LockSupport.parkNanos(PAUSE_NANOSECONDS);
+            if (!plan.waits && System.nanoTime() - start > patience) {
+                behind = true;
+                problems.accept("the disk is too slow: frame " + (frame.frame() - 1)
+                        + " is not written yet, and the world goes on; a crash before it is loses"
+                        + " more than one frame");
+            }
+        }
+    }
+
     /** The last listener of ACT: what comes later is not seen by this frame's laws. */
-    private void noteEarlyChanges(FrameEvent frame) {
+    private void noteEarlyChanges() {
         List<WorldChange> changes = world.changes();
         earlyCount = changes.size();
         for (int i = 0; i < earlyCount; i++) {
@@ -122,7 +159,7 @@ public final class Journal implements AutoCloseable {
         lastFrame = frame.frame();
         followMembers();
         if (entry == null) {
-            imageWanted = true; // the frames that are lost are made up for by an image
+            skip(frame.frame());
         } else {
             fill(entry, frame.frame());
             if (entry.begins || !imageWanted) {
@@ -133,6 +170,15 @@ public final class Journal implements AutoCloseable {
         early.clear();
         laws.clear();
         earlyCount = 0;
+    }
+
+    /** Frames that are left out are made up for by an image. */
+    private void skip(long frame) {
+        if (!imageWanted) {
+            imageWanted = true;
+            problems.accept("the disk is too slow: frames from " + frame
+                    + " on are left out, up to the next image");
+        }
     }
 
     private void fill(Entry entry, long frame) {
@@ -166,7 +212,7 @@ public final class Journal implements AutoCloseable {
     private @Nullable SimulationImage copy(long frame, boolean wait) {
         SimulationImage room = rooms.poll();
         while (room == null && wait && writer.isWorking()) {
-            LockSupport.parkNanos(PATIENCE_NANOSECONDS);
+            LockSupport.parkNanos(PAUSE_NANOSECONDS);
             room = rooms.poll();
         }
         if (room != null) {
@@ -178,7 +224,7 @@ public final class Journal implements AutoCloseable {
     private Entry waitForEntry() {
         Entry entry = ring.next();
         while (entry == null) {
-            LockSupport.parkNanos(PATIENCE_NANOSECONDS);
+            LockSupport.parkNanos(PAUSE_NANOSECONDS);
             entry = ring.next();
         }
         return entry;

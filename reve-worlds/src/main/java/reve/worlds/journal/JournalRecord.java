@@ -8,6 +8,6 @@ public sealed interface JournalRecord {
     /** Everything at the end of a frame, as {@link ImageCodec} writes it. */
     record Image(long frame, byte[] bytes) implements JournalRecord {}
 
-    /** What came in, frame by frame, and digests: lines of JSON as {@link FrameCodec} writes them. */
-    record Frames(long first, long last, byte[] lines) implements JournalRecord {}
+    /** What came into a frame, and its digest: JSON as {@link FrameCodec} writes it. */
+    record Frame(long frame, byte[] json) implements JournalRecord {}
 }

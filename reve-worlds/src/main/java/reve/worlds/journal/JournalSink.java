@@ -1,17 +1,38 @@
 package reve.worlds.journal;
 
 import java.io.IOException;
+import java.util.List;
 
-/** Where a journal is kept. One thread. */
+/** Where a journal is kept. One thread, except where it says otherwise. */
 public interface JournalSink extends AutoCloseable {
     /**
-     * Adds a record behind all others. When it returns, the record outlives the end of this
+     * Adds a library or a frame behind all else. When it returns, the record outlives the end of this
      * process.
      *
      * @throws IOException naming the file, if that failed; nothing of the record counts then
      */
     void write(JournalRecord record) throws IOException;
 
+    /** A place for an image of the frame that was written last, before all that is written later. */
+    Place place();
+
+    /**
+     * Waits until what was written outlives a power failure too, if the sink was made for that. Any
+     * thread, also while another one writes.
+     */
+    void sync() throws IOException;
+
     @Override
     void close() throws IOException;
+
+    /** Where an image goes: any thread, also while another one writes; places in their order. */
+    interface Place {
+        /**
+         * Keeps the image and the libraries that it names, all or nothing.
+         *
+         * @throws IOException naming the file, if that failed; the place may be tried again
+         */
+        void write(List<JournalRecord.Library> libraries, JournalRecord.Image image)
+                throws IOException;
+    }
 }

@@ -1,44 +1,51 @@
 package reve.worlds.journal;
 
-import java.io.ByteArrayOutputStream;
 import java.io.IOException;
-import java.util.HashSet;
+import java.util.Map;
 import java.util.Queue;
-import java.util.Set;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.ScheduledThreadPoolExecutor;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
 import reve.pe.adapter.LawChange;
 import reve.pe.adapter.LawLibrary;
 
-/** The thread that writes a journal: frames in groups, which the sink makes durable at once. */
+/**
+ * Writes a journal on two threads: one that adds each frame as soon as it is handed over, and one
+ * that keeps the images and waits for the disk, which both take their time.
+ */
 final class JournalWriter {
-    private static final long GROUP_NANOSECONDS = 100_000_000;
-    private static final int GROUP_BYTES = 1 << 20;
+    private static final long SYNC_MILLISECONDS = 100;
+    private static final int LAST_IMAGE_TRIES = 3;
+    private static final long BETWEEN_TRIES_NANOSECONDS = 200_000_000;
 
     private final EntryRing ring;
     private final Queue<SimulationImage> rooms;
+    private final Journal.Plan plan;
     private final JournalSink sink;
     private final Consumer<String> problems;
     private final ImageCodec images;
     private final FrameCodec frames;
-    private final Set<String> libraries = new HashSet<>();
-    private final ByteArrayOutputStream group = new ByteArrayOutputStream();
     private final Thread thread = Thread.ofPlatform().name("journal").unstarted(this::run);
-    private long groupFirst;
-    private long groupLast;
-    private long groupBegan;
-    /** False until an image is written: what there is has to begin with one. */
+    private final ScheduledThreadPoolExecutor disk = new ScheduledThreadPoolExecutor(1,
+            Thread.ofPlatform().name("journal images").factory());
+    private final AtomicBoolean syncDue = new AtomicBoolean();
+    /** False until an image is kept: what there is has to begin with one. */
     private boolean begun;
     private volatile boolean ending;
 
     JournalWriter(WorldHeader header, int digestSize, EntryRing ring, Queue<SimulationImage> rooms,
-            JournalSink sink, Consumer<String> problems) {
+            Journal.Plan plan, JournalSink sink, Consumer<String> problems) {
         this.ring = ring;
         this.rooms = rooms;
+        this.plan = plan;
         this.sink = sink;
         this.problems = problems;
         images = new ImageCodec(header);
         frames = new FrameCodec(header, digestSize);
+        disk.setExecuteExistingDelayedTasksAfterShutdownPolicy(false);
     }
 
     void start() {
@@ -75,29 +82,15 @@ final class JournalWriter {
             boolean last = ending; // asked first: nothing comes after it
             Entry entry = ring.peek();
             if (entry != null) {
-                attempt(() -> take(entry));
-                SimulationImage image = entry.image;
+                take(entry);
                 ring.release();
-                if (image != null) {
-                    rooms.add(image);
-                }
             } else if (last) {
-                attempt(this::writeGroup);
-                attempt(sink::close);
+                disk.close();
+                attempt(sink::close, "; what was written before is there");
                 return;
             } else {
-                waitOrWrite();
+                LockSupport.park(this);
             }
-        }
-    }
-
-    private void waitOrWrite() {
-        long due = group.size() == 0 ? Long.MAX_VALUE
-                : groupBegan + GROUP_NANOSECONDS - System.nanoTime();
-        if (due <= 0) {
-            attempt(this::writeGroup);
-        } else {
-            LockSupport.parkNanos(this, due);
         }
     }
 
@@ -105,66 +98,79 @@ final class JournalWriter {
         void run() throws IOException;
     }
 
-    /** What fails costs the journal up to the next image, and nothing else. */
-    private void attempt(Step step) {
+    /** Whether it could be done; if not, somebody is told why, and what follows from it. */
+    private boolean attempt(Step step, String consequence) {
         try {
             step.run();
+            return true;
         } catch (IOException | RuntimeException | LinkageError | VirtualMachineError e) {
-            group.reset();
-            begun = false;
-            problems.accept(String.valueOf(e.getMessage()));
+            problems.accept(e.getMessage() + consequence);
+            return false;
         }
     }
 
-    private void take(Entry entry) throws IOException {
-        if (begun && !entry.begins) {
-            addFrame(entry);
+    /** A frame that cannot be written costs the journal up to the next image, and nothing else. */
+    private void take(Entry entry) {
+        if (begun && !entry.begins && !entry.last) {
+            begun = attempt(() -> addFrame(entry), plan.imageFrames() == 0
+                    ? "; the recording ends before frame " + entry.frame
+                    : "; a crash before the next image loses the frames from " + entry.frame + " on");
         }
-        SimulationImage image = entry.image;
-        if (image != null) {
-            writeGroup();
-            writeImage(image, entry);
+        if (entry.image != null) {
+            keepImage(entry, entry.image);
         }
     }
 
     private void addFrame(Entry entry) throws IOException {
         for (LawChange change : entry.laws) {
             if (change instanceof LawChange.Loaded added) {
-                writeLibrary(added.library());
+                sink.write(record(added.library()));
             }
         }
-        if (group.size() == 0) {
-            groupFirst = entry.frame;
-            groupBegan = System.nanoTime();
-        }
-        group.writeBytes(frames.write(entry));
-        group.write('\n');
-        groupLast = entry.frame;
-        if (group.size() >= GROUP_BYTES || System.nanoTime() - groupBegan >= GROUP_NANOSECONDS) {
-            writeGroup();
+        sink.write(new JournalRecord.Frame(entry.frame, frames.write(entry)));
+        if (syncDue.compareAndSet(false, true)) {
+            disk.schedule(this::sync, SYNC_MILLISECONDS, TimeUnit.MILLISECONDS);
         }
     }
 
-    private void writeGroup() throws IOException {
-        if (group.size() > 0) {
-            sink.write(new JournalRecord.Frames(groupFirst, groupLast, group.toByteArray()));
-            group.reset();
-        }
+    private void sync() {
+        syncDue.set(false);
+        attempt(sink::sync, "; a power failure may cost more than the last 0.1 s");
     }
 
-    private void writeImage(SimulationImage image, Entry entry) throws IOException {
-        for (LawLibrary library : image.physics().libraries()) {
-            writeLibrary(library);
-        }
-        sink.write(new JournalRecord.Image(entry.frame, images.write(image, entry.members)));
+    /** The frames go on meanwhile, unless they have nothing else to begin with. */
+    private void keepImage(Entry entry, SimulationImage image) {
+        Map<String, Long> members = entry.members;
+        JournalSink.Place place = sink.place();
         frames.begin();
-        begun = true;
+        int tries = entry.last ? LAST_IMAGE_TRIES : 1;
+        String otherwise = begun && !entry.begins ? "; the image before it and the frames since are there"
+                : "; nothing is kept until an image can be written";
+        var kept = CompletableFuture.supplyAsync(
+                () -> keepImage(image, members, place, tries, otherwise), disk);
+        if (entry.begins || !begun) {
+            begun = kept.join();
+        }
     }
 
-    private void writeLibrary(LawLibrary library) throws IOException {
-        if (!libraries.contains(library.sha256())) {
-            sink.write(new JournalRecord.Library(library.sha256(), library.bytes()));
-            libraries.add(library.sha256());
+    private boolean keepImage(SimulationImage image, Map<String, Long> members,
+            JournalSink.Place place, int tries, String otherwise) {
+        try {
+            Step step = () -> place.write(
+                    image.physics().libraries().stream().map(JournalWriter::record).toList(),
+                    new JournalRecord.Image(image.frame(), images.write(image, members)));
+            boolean done = attempt(step, otherwise);
+            for (int i = 1; !done && i < tries; i++) {
+                LockSupport.parkNanos(BETWEEN_TRIES_NANOSECONDS);
+                done = attempt(step, otherwise);
+            }
+            return done;
+        } finally {
+            rooms.add(image);
         }
+    }
+
+    private static JournalRecord.Library record(LawLibrary library) {
+        return new JournalRecord.Library(library.sha256(), library.bytes());
     }
 }

@@ -9,40 +9,41 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.AccessDeniedException;
+import java.nio.file.FileSystemException;
 import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.util.Arrays;
+import java.util.HashSet;
 import java.util.HexFormat;
 import java.util.Iterator;
+import java.util.List;
 import java.util.NoSuchElementException;
+import java.util.Set;
 import java.util.zip.CRC32C;
 import org.jspecify.annotations.Nullable;
 import reve.core.store.CorruptException;
 
 /**
- * A recording: one file, only ever added to. A mark, then each record as its length, a letter for
- * what it is, its numbers and bytes, and the CRC32C of all of these. A file that ends in the middle
- * of a record, as after a crash, ends before it.
+ * A file of records, only ever added to: a whole recording, or frames of a store. A mark, then each
+ * record: its length, a letter for what it is, its frame, the CRC32C of these three, the content, and
+ * the CRC32C of that. A file that ends in the middle of a record, as after a crash, ends before it.
  */
 public final class RunLog {
-    private static final byte[] MARK = "REVE run log 1\n".getBytes(StandardCharsets.US_ASCII);
-    private static final int HEAD_BYTES = Integer.BYTES + 1 + 2 * Long.BYTES;
+    private static final byte[] MARK = "REVE run log 2\n".getBytes(StandardCharsets.US_ASCII);
+    /** Size of a file without any record [bytes]. */
+    static final int EMPTY_BYTES = MARK.length;
+    private static final int HEAD_BYTES = Integer.BYTES + 1 + Long.BYTES;
+    private static final int SUM_BYTES = Integer.BYTES;
     private static final int SHA_BYTES = 32;
 
     private RunLog() {}
 
     /** Begins a recording in place of what the file held. */
     public static JournalSink create(Path file) throws IOException {
-        FileChannel channel = FileChannel.open(file, StandardOpenOption.CREATE,
-                StandardOpenOption.WRITE, StandardOpenOption.TRUNCATE_EXISTING);
-        try {
-            writeFully(channel, ByteBuffer.wrap(MARK));
-        } catch (IOException e) {
-            channel.close();
-            throw e;
-        }
-        return new Writer(file, channel);
+        return new Writer(file);
     }
 
     /**
@@ -54,55 +55,122 @@ public final class RunLog {
         return new Reader(file);
     }
 
-    private static void writeFully(FileChannel channel, ByteBuffer bytes) throws IOException {
-        while (bytes.hasRemaining()) {
-            channel.write(bytes);
-        }
-    }
+    /** Adds each record by one write; images at once, whatever thread they come from. */
+    static final class Writer implements JournalSink {
+        private final Path file;
+        private final FileChannel channel;
+        private final Set<String> libraries = new HashSet<>();
 
-    private record Writer(Path file, FileChannel channel) implements JournalSink {
+        Writer(Path file) throws IOException {
+            this.file = file;
+            try {
+                channel = FileChannel.open(file, StandardOpenOption.CREATE,
+                        StandardOpenOption.WRITE, StandardOpenOption.TRUNCATE_EXISTING);
+            } catch (IOException e) {
+                throw failed(e);
+            }
+            try {
+                add(ByteBuffer.wrap(MARK));
+            } catch (IOException e) {
+                channel.close();
+                throw e;
+            }
+        }
+
         @Override
         public void write(JournalRecord record) throws IOException {
-            long end = channel.position();
-            try {
-                writeFully(channel, encoded(record));
-            } catch (IOException e) {
-                channel.truncate(end).position(end);
-                throw new IOException(file + " could not be written: " + e.getMessage(), e);
+            switch (record) {
+                case JournalRecord.Library library -> {
+                    if (!libraries.contains(library.sha256())) {
+                        add(encoded('L', 0, HexFormat.of().parseHex(library.sha256()),
+                                library.bytes()));
+                        libraries.add(library.sha256());
+                    }
+                }
+                case JournalRecord.Image image -> add(encoded('I', image.frame(), image.bytes()));
+                case JournalRecord.Frame frame -> add(encoded('F', frame.frame(), frame.json()));
             }
+        }
+
+        @Override
+        public Place place() {
+            return (needed, image) -> {
+                for (JournalRecord.Library library : needed) {
+                    write(library);
+                }
+                write(image);
+            };
+        }
+
+        @Override
+        public void sync() {
+            // a recording is only there to be looked at later
+        }
+
+        /** Waits until what was written outlives a power failure. Any thread. */
+        void force() throws IOException {
+            try {
+                channel.force(false);
+            } catch (IOException e) {
+                throw failed(e);
+            }
+        }
+
+        boolean isOpen() {
+            return channel.isOpen();
         }
 
         @Override
         public void close() throws IOException {
             channel.close();
         }
+
+        private void add(ByteBuffer bytes) throws IOException {
+            long end = channel.position();
+            try {
+                while (bytes.hasRemaining()) {
+                    channel.write(bytes);
+                }
+            } catch (IOException e) {
+                takeBack(end, e);
+                throw failed(e);
+            }
+        }
+
+        private void takeBack(long end, IOException after) {
+            try {
+                channel.truncate(end).position(end);
+            } catch (IOException e) {
+                after.addSuppressed(e);
+            }
+        }
+
+        private IOException failed(IOException e) {
+            String reason = switch (e) {
+                case NoSuchFileException gone -> "there is no folder " + file.toAbsolutePath()
+                        .getParent();
+                case AccessDeniedException denied -> "permission denied";
+                case FileSystemException other when other.getReason() != null -> other.getReason();
+                default -> e.getMessage();
+            };
+            return new IOException(file + " could not be written: " + reason, e);
+        }
     }
 
-    private static ByteBuffer encoded(JournalRecord record) {
-        return switch (record) {
-            case JournalRecord.Library library -> encoded('L', 0, 0,
-                    HexFormat.of().parseHex(library.sha256()), library.bytes());
-            case JournalRecord.Image image ->
-                    encoded('I', image.frame(), image.frame(), image.bytes());
-            case JournalRecord.Frames frames ->
-                    encoded('F', frames.first(), frames.last(), frames.lines());
-        };
-    }
-
-    private static ByteBuffer encoded(char letter, long first, long last, byte[]... parts) {
+    private static ByteBuffer encoded(char letter, long frame, byte[]... parts) {
         int length = Arrays.stream(parts).mapToInt(part -> part.length).sum();
-        ByteBuffer record = ByteBuffer.allocate(HEAD_BYTES + length + Integer.BYTES)
-                .order(ByteOrder.LITTLE_ENDIAN)
-                .putInt(length).put((byte) letter).putLong(first).putLong(last);
+        ByteBuffer record = ByteBuffer.allocate(HEAD_BYTES + length + 2 * SUM_BYTES)
+                .order(ByteOrder.LITTLE_ENDIAN).putInt(length).put((byte) letter).putLong(frame);
+        record.putInt(checksum(record.array(), 0, HEAD_BYTES));
         for (byte[] part : parts) {
             record.put(part);
         }
-        return record.putInt(checksum(record.array(), record.position())).flip();
+        return record.putInt(checksum(record.array(), HEAD_BYTES + SUM_BYTES, length)).flip();
     }
 
-    private static int checksum(byte[] bytes, int length) {
+    private static int checksum(byte[] bytes, int from, int length) {
         var crc = new CRC32C();
-        crc.update(bytes, 0, length);
+        crc.update(bytes, from, length);
         return (int) crc.getValue();
     }
 
@@ -114,17 +182,31 @@ public final class RunLog {
         private long at = MARK.length;
         private boolean cut;
         private @Nullable JournalRecord next;
+        private @Nullable CorruptException damage;
 
         private Reader(Path file) throws IOException {
             this.file = file;
             size = Files.size(file);
             InputStream stream = Files.newInputStream(file);
             in = new DataInputStream(new BufferedInputStream(stream, 1 << 16));
-            if (!Arrays.equals(in.readNBytes(MARK.length), MARK)) {
+            try {
+                if (!Arrays.equals(in.readNBytes(MARK.length), MARK)) {
+                    throw new CorruptException(file + " is no recording of this version of REVE");
+                }
+                advance();
+            } catch (IOException | CorruptException e) {
                 in.close();
-                throw new CorruptException(file + " is no recording of this version of REVE");
+                throw e;
             }
-            next = read();
+        }
+
+        private void advance() throws IOException {
+            next = null;
+            try {
+                next = read();
+            } catch (CorruptException e) {
+                damage = e;
+            }
         }
 
         /** Whether the file ends in the middle of a record; known at the end. */
@@ -134,18 +216,21 @@ public final class RunLog {
 
         @Override
         public boolean hasNext() {
-            return next != null;
+            return next != null || damage != null;
         }
 
-        /** @throws CorruptException naming the place in the file, if a record is damaged */
+        /** @throws CorruptException naming the place in the file, if the record is damaged */
         @Override
         public JournalRecord next() {
+            if (damage != null) {
+                throw damage;
+            }
             JournalRecord record = next;
             if (record == null) {
                 throw new NoSuchElementException(file + " has ended");
             }
             try {
-                next = read();
+                advance();
             } catch (IOException e) {
                 throw new UncheckedIOException(file + " cannot be read: "
                         + e.getMessage(), e);
@@ -160,42 +245,44 @@ public final class RunLog {
 
         private @Nullable JournalRecord read() throws IOException {
             long left = size - at;
-            if (left < HEAD_BYTES + Integer.BYTES) {
+            if (left < HEAD_BYTES + SUM_BYTES) {
                 cut = left > 0;
                 return null;
             }
-            byte[] head = in.readNBytes(HEAD_BYTES);
-            int length = ByteBuffer.wrap(head).order(ByteOrder.LITTLE_ENDIAN).getInt();
-            if (length < 0) {
+            byte[] bytes = in.readNBytes(HEAD_BYTES);
+            ByteBuffer head = ByteBuffer.wrap(bytes).order(ByteOrder.LITTLE_ENDIAN);
+            int length = head.getInt();
+            if (nextSum() != checksum(bytes, 0, HEAD_BYTES) || length < 0) {
                 throw damaged();
             }
-            if (length > left - HEAD_BYTES - Integer.BYTES) {
+            if (length > left - HEAD_BYTES - 2 * SUM_BYTES) {
                 cut = true;
                 return null;
             }
-            byte[] record = Arrays.copyOf(head, HEAD_BYTES + length);
-            in.readFully(record, HEAD_BYTES, length);
-            int sum = Integer.reverseBytes(in.readInt());
-            if (sum != checksum(record, record.length)) {
+            byte[] content = in.readNBytes(length);
+            if (nextSum() != checksum(content, 0, length)) {
                 throw damaged();
             }
-            at += record.length + Integer.BYTES;
-            return decoded(record);
+            JournalRecord record = decoded((char) head.get(), head.getLong(), content);
+            at += HEAD_BYTES + length + 2 * SUM_BYTES;
+            return record;
         }
 
-        private JournalRecord decoded(byte[] record) {
-            ByteBuffer head = ByteBuffer.wrap(record).order(ByteOrder.LITTLE_ENDIAN);
-            head.getInt();
-            char letter = (char) head.get();
-            long first = head.getLong();
-            long last = head.getLong();
-            byte[] body = Arrays.copyOfRange(record, HEAD_BYTES, record.length);
+        private int nextSum() throws IOException {
+            return Integer.reverseBytes(in.readInt());
+        }
+
+        private JournalRecord decoded(char letter, long frame, byte[] content) {
             return switch (letter) {
-                case 'L' -> new JournalRecord.Library(
-                        HexFormat.of().formatHex(body, 0, SHA_BYTES),
-                        Arrays.copyOfRange(body, SHA_BYTES, body.length));
-                case 'I' -> new JournalRecord.Image(first, body);
-                case 'F' -> new JournalRecord.Frames(first, last, body);
+                case 'L' -> {
+                    if (content.length < SHA_BYTES) {
+                        throw damaged();
+                    }
+                    yield new JournalRecord.Library(HexFormat.of().formatHex(content, 0, SHA_BYTES),
+                            Arrays.copyOfRange(content, SHA_BYTES, content.length));
+                }
+                case 'I' -> new JournalRecord.Image(frame, content);
+                case 'F' -> new JournalRecord.Frame(frame, content);
                 default -> throw damaged();
             };
         }

@@ -19,70 +19,84 @@ import reve.core.store.CorruptException;
 
 /**
  * A durable store of one world: an SQLite database in write-ahead-log mode with the last three
- * images, the journal since the oldest of them, and the law libraries. Every record is one
- * transaction. One thread at a time; one process, which locks it.
+ * images and the law libraries, and beside it files of the frames since the oldest of them. One
+ * thread at a time, but for {@link #sync} and places; one process, which locks the database.
  */
 public final class SqliteStore implements JournalSink {
     /** "REVE" in SQLite's header: whose file it is. */
     private static final int APPLICATION_ID = 0x52455645;
-    private static final int VERSION = 1;
+    private static final int VERSION = 2;
     private static final int GENERATIONS = 3;
     private static final String SCHEMA = """
             CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB NOT NULL);
-            CREATE TABLE image (id INTEGER PRIMARY KEY, frame INTEGER NOT NULL,
-                bytes BLOB NOT NULL, crc32c INTEGER NOT NULL);
-            CREATE TABLE journal (id INTEGER PRIMARY KEY, image INTEGER NOT NULL,
-                first_frame INTEGER NOT NULL, last_frame INTEGER NOT NULL, lines BLOB NOT NULL,
-                crc32c INTEGER NOT NULL)""";
+            CREATE TABLE image (frames_file INTEGER PRIMARY KEY, frame INTEGER NOT NULL,
+                bytes BLOB NOT NULL, crc32c INTEGER NOT NULL)""";
 
     private final Path file;
-    private final Connection connection;
+    private final Durability durability;
+    private final FrameFiles frames;
+    private Connection connection;
 
     /** How much a power failure may cost; the end of the process alone never costs a record. */
     public enum Durability {
-        /** Nothing that was written: the disk is waited for at every record. */
+        /** Frames of the last 0.1 s, and those that come while an image is written. */
         FULL,
-        /** The last records, never the whole. */
+        /** The frames since the last image. */
         NORMAL
     }
 
     /**
      * Opens a store, or makes an empty one where there is no file.
      *
-     * @throws CorruptException if the file is something else, of a newer version, or damaged so that
+     * @throws CorruptException if the file is something else, of another version, or damaged so that
      *     its tables cannot be read
      * @throws IOException if it cannot be opened, or another process has it open
      */
     public SqliteStore(Path file, Durability durability) throws IOException {
         this.file = file;
+        this.durability = durability;
+        connection = open();
+        try (Statement statement = connection.createStatement()) {
+            frames = new FrameFiles(file, number(statement, "SELECT max(frames_file) FROM image"));
+        } catch (SQLException e) {
+            closeAfter(connection, e);
+            throw failed("read", e);
+        } catch (IOException e) {
+            closeAfter(connection, e);
+            throw e;
+        }
+    }
+
+    private Connection open() throws IOException {
         boolean isNew = !Files.exists(file) || Files.size(file) == 0;
         if (!isNew) {
             requireMark(file);
         }
         SQLiteConfig config = new SQLiteConfig();
         config.setJournalMode(SQLiteConfig.JournalMode.WAL);
-        config.setSynchronous(durability == Durability.FULL
-                ? SQLiteConfig.SynchronousMode.FULL : SQLiteConfig.SynchronousMode.NORMAL);
+        config.setSynchronous(SQLiteConfig.SynchronousMode.FULL);
         config.setLockingMode(SQLiteConfig.LockingMode.EXCLUSIVE);
         config.setBusyTimeout(0);
+        Connection opened;
         try {
-            connection = config.createConnection("jdbc:sqlite:" + file.toAbsolutePath());
+            opened = config.createConnection("jdbc:sqlite:" + file.toAbsolutePath());
         } catch (SQLException e) {
             throw failed("opened", e);
         }
-        try (Statement statement = connection.createStatement()) {
+        try (Statement statement = opened.createStatement()) {
             if (isNew) {
                 create(statement);
             } else {
                 check(statement);
             }
             statement.executeUpdate("PRAGMA user_version = " + VERSION); // locks the file
-            connection.setAutoCommit(false);
+            opened.setAutoCommit(false);
+            return opened;
         } catch (SQLException e) {
-            closeAfter(e);
+            closeAfter(opened, e);
             throw failed("opened", e);
         } catch (RuntimeException e) {
-            closeAfter(e);
+            closeAfter(opened, e);
             throw e;
         }
     }
@@ -99,7 +113,7 @@ public final class SqliteStore implements JournalSink {
 
     /**
      * What it takes to have the world as it was last: libraries, the newest image that can be read,
-     * and the journal after it.
+     * and the frames after it.
      *
      * @param problems told of every record that is damaged and was passed over
      * @throws CorruptException if no image can be read
@@ -107,8 +121,8 @@ public final class SqliteStore implements JournalSink {
     public List<JournalRecord> read(Consumer<String> problems) throws IOException {
         try (Statement statement = connection.createStatement()) {
             List<JournalRecord> records = new ArrayList<>(readLibraries(statement));
-            long image = readImage(statement, records, problems);
-            readJournal(statement, image, records, problems);
+            long framesFile = readImage(statement, records, problems);
+            frames.read(framesFile, records::add, problems);
             return records;
         } catch (SQLException e) {
             throw failed("read", e);
@@ -117,31 +131,60 @@ public final class SqliteStore implements JournalSink {
 
     @Override
     public void write(JournalRecord record) throws IOException {
-        try {
-            switch (record) {
-                case JournalRecord.Library library -> insert(
-                        "INSERT OR REPLACE INTO library VALUES (?, ?)", library.sha256(),
-                        library.bytes());
-                case JournalRecord.Image image -> {
-                    insert("INSERT INTO image (frame, bytes, crc32c) VALUES (?, ?, ?)",
-                            image.frame(), image.bytes(), checksum(image.bytes(), image.frame()));
-                    dropOld();
-                }
-                case JournalRecord.Frames frames -> insert("INSERT INTO journal (image, first_frame,"
-                        + " last_frame, lines, crc32c) SELECT max(id), ?, ?, ?, ? FROM image",
-                        frames.first(), frames.last(), frames.lines(),
-                        checksum(frames.lines(), frames.first(), frames.last()));
+        frames.write(record);
+    }
+
+    @Override
+    public Place place() {
+        FrameFiles.Finished before = frames.next();
+        long framesFile = frames.number();
+        return (libraries, image) -> {
+            try (before) {
+                write(framesFile, libraries, image);
             }
+        };
+    }
+
+    private void write(long framesFile, List<JournalRecord.Library> libraries,
+            JournalRecord.Image image) throws IOException {
+        requirePresent();
+        try {
+            for (JournalRecord.Library library : libraries) {
+                insert("INSERT OR IGNORE INTO library VALUES (?, ?)", library.sha256(),
+                        library.bytes());
+            }
+            insert("INSERT OR REPLACE INTO image VALUES (?, ?, ?, ?)", framesFile, image.frame(),
+                    image.bytes(), checksum(image.bytes(), framesFile, image.frame()));
+            long oldest = dropOld();
             connection.commit();
+            frames.dropBefore(oldest);
         } catch (SQLException e) {
             rollback(e);
             throw failed("written", e);
         }
     }
 
+    /** What is written to a file that was removed is lost: begins it anew. */
+    private void requirePresent() throws IOException {
+        if (Files.exists(file)) {
+            return;
+        }
+        var removed = new IOException(file + " was removed; it has been made anew");
+        closeAfter(connection, removed);
+        connection = open();
+        throw removed;
+    }
+
+    @Override
+    public void sync() throws IOException {
+        if (durability == Durability.FULL) {
+            frames.force();
+        }
+    }
+
     @Override
     public void close() throws IOException {
-        try {
+        try (FrameFiles.Finished _ = frames.next()) {
             connection.close();
         } catch (SQLException e) {
             throw failed("closed", e);
@@ -185,51 +228,34 @@ public final class SqliteStore implements JournalSink {
         return libraries;
     }
 
-    /** Adds the newest image that can be read, and gives its id. */
+    /** Adds the newest image that can be read, and gives the number of the file of its frames. */
     private long readImage(Statement statement, List<JournalRecord> into,
             Consumer<String> problems) throws SQLException {
         try (ResultSet row = statement.executeQuery(
-                "SELECT id, frame, bytes, crc32c FROM image ORDER BY id DESC")) {
+                "SELECT frames_file, frame, bytes, crc32c FROM image ORDER BY frames_file DESC")) {
             while (row.next()) {
+                long framesFile = row.getLong(1);
                 long frame = row.getLong(2);
                 byte[] bytes = row.getBytes(3);
-                if (bytes != null && row.getLong(4) == checksum(bytes, frame)) {
+                if (bytes != null && row.getLong(4) == checksum(bytes, framesFile, frame)) {
                     into.add(new JournalRecord.Image(frame, bytes));
-                    return row.getLong(1);
+                    return framesFile;
                 }
                 problems.accept(file + ": the image of frame " + frame
                         + " is damaged; going back to the one before it");
             }
         }
-        throw new CorruptException(file + " holds no image that can be read");
+        throw new CorruptException(file + " holds no image that can be read; put a copy of it and "
+                + "its files in its place, or name another file");
     }
 
-    /** Adds the records after an image, up to the first that is damaged or missing. */
-    private void readJournal(Statement statement, long image, List<JournalRecord> into,
-            Consumer<String> problems) throws SQLException {
-        try (ResultSet row = statement.executeQuery("SELECT first_frame, last_frame, lines, crc32c "
-                + "FROM journal WHERE image >= " + image + " ORDER BY id")) {
-            while (row.next()) {
-                long first = row.getLong(1);
-                long last = row.getLong(2);
-                byte[] lines = row.getBytes(3);
-                if (lines == null || row.getLong(4) != checksum(lines, first, last)) {
-                    problems.accept(file + ": the journal of the frames " + first + " to " + last
-                            + " is damaged; the world resumes before them");
-                    return;
-                }
-                into.add(new JournalRecord.Frames(first, last, lines));
-            }
-        }
-    }
-
-    /** Keeps the last images, and of the journal what follows the oldest of them. */
-    private void dropOld() throws SQLException {
+    /** Keeps the last images; the number of the file of the frames after the oldest of them. */
+    private long dropOld() throws SQLException {
         try (Statement statement = connection.createStatement()) {
-            statement.executeUpdate("DELETE FROM image WHERE id NOT IN "
-                    + "(SELECT id FROM image ORDER BY id DESC LIMIT " + GENERATIONS + ")");
-            statement.executeUpdate(
-                    "DELETE FROM journal WHERE image < (SELECT min(id) FROM image)");
+            statement.executeUpdate("DELETE FROM image WHERE frames_file NOT IN "
+                    + "(SELECT frames_file FROM image ORDER BY frames_file DESC LIMIT "
+                    + GENERATIONS + ")");
+            return number(statement, "SELECT min(frames_file) FROM image");
         }
     }
 
@@ -250,7 +276,7 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    private void closeAfter(Exception failure) {
+    private static void closeAfter(Connection connection, Exception failure) {
         try {
             connection.close();
         } catch (SQLException e) {

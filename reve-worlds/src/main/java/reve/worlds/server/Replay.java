@@ -1,6 +1,5 @@
 package reve.worlds.server;
 
-import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.security.NoSuchAlgorithmException;
 import java.util.ArrayList;
@@ -98,12 +97,9 @@ public final class Replay implements AutoCloseable {
         switch (record) {
             case JournalRecord.Library library -> keep(library);
             case JournalRecord.Image image -> begin(image);
-            case JournalRecord.Frames group -> {
-                String lines = new String(group.lines(), StandardCharsets.UTF_8);
-                for (String line : lines.split("\n")) {
-                    if (isGoing(until)) {
-                        make(Trees.read(line.getBytes(StandardCharsets.UTF_8)));
-                    }
+            case JournalRecord.Frame frame -> {
+                if (isGoing(until)) {
+                    make(Trees.read(frame.json()));
                 }
             }
         }
@@ -112,6 +108,11 @@ public final class Replay implements AutoCloseable {
 
     private boolean isGoing(long until) {
         return divergence == null && (simulation == null || simulation.loop().frame() < until);
+    }
+
+    /** The frame whose end the world is at; -1 without an image. */
+    public long frame() {
+        return simulation == null ? -1 : simulation.loop().frame();
     }
 
     /** How many frames were made. */
@@ -173,9 +174,6 @@ public final class Replay implements AutoCloseable {
             }
         }
         members = stored.members();
-        if (codec != null) {
-            codec.begin();
-        }
     }
 
     private void begin(WorldHeader header, SimulationImage image) {

@@ -40,7 +40,7 @@ class SqliteStoreTest {
         try (SqliteStore store = new SqliteStore(file, Durability.FULL)) {
             assertThat(store.isEmpty()).isFalse();
             assertThat(describe(store.read(problems::add)))
-                    .containsExactly("library " + SHA, "image 50", "frames 51-52", "frames 53-54");
+                    .containsExactly("library " + SHA, "image 50", "frame 51", "frame 52");
             assertThat(problems).isEmpty();
         }
     }
@@ -49,7 +49,8 @@ class SqliteStoreTest {
     void threeGenerationsAreKept() throws Exception {
         fill();
         assertThat(query("SELECT group_concat(frame) FROM image")).isEqualTo("30,40,50");
-        assertThat(query("SELECT min(first_frame) FROM journal")).isEqualTo("31");
+        assertThat(folder).isDirectoryContaining("glob:**/my.db-frames-3")
+                .isDirectoryNotContaining("glob:**/my.db-frames-[12]");
     }
 
     @Test
@@ -58,20 +59,87 @@ class SqliteStoreTest {
         update("UPDATE image SET bytes = zeroblob(length(bytes)) WHERE frame = 50");
         try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
             assertThat(describe(store.read(problems::add))).containsExactly("library " + SHA,
-                    "image 40", "frames 41-42", "frames 43-44", "frames 51-52", "frames 53-54");
+                    "image 40", "frame 41", "frame 42", "frame 51", "frame 52");
             assertThat(problems).singleElement().asString().contains("my.db", "frame 50");
         }
     }
 
+    /** As after a crash, whatever was the last byte that was written. */
     @Test
-    void aDamagedGroupIsToldAndEndsTheJournal() throws Exception {
+    void framesThatEndAnywhereAreReadUpToTheLastWholeOne() throws Exception {
         fill();
-        update("UPDATE journal SET last_frame = 99 WHERE first_frame = 53");
-        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-            assertThat(describe(store.read(problems::add)))
-                    .containsExactly("library " + SHA, "image 50", "frames 51-52");
-            assertThat(problems).singleElement().asString().contains("53 to 99");
+        Path last = folder.resolve("my.db-frames-5");
+        byte[] whole = Files.readAllBytes(last);
+        byte[] database = Files.readAllBytes(file);
+        int frames = 0;
+        for (int length = 0; length <= whole.length; length++) {
+            Files.write(last, Arrays.copyOf(whole, length));
+            Files.write(file, database);
+            List<String> found = read();
+            assertThat(problems).as("cut at byte %d", length).isEmpty();
+            assertThat(found).startsWith("library " + SHA, "image 50");
+            assertThat(found.size() - 2).as("cut at byte %d", length).isBetween(frames, frames + 1);
+            frames = found.size() - 2;
         }
+        assertThat(frames).isEqualTo(2);
+    }
+
+    /** Every byte in turn: the frames before it are read, and somebody is told. */
+    @Test
+    void aDamagedFrameIsToldAndEndsTheJournal() throws Exception {
+        fill();
+        Path last = folder.resolve("my.db-frames-5");
+        byte[] whole = Files.readAllBytes(last);
+        int first = RunLog.EMPTY_BYTES;
+        int second = first + (whole.length - first) / 2;
+        for (int at = 0; at < whole.length; at++) {
+            byte[] damaged = whole.clone();
+            damaged[at] ^= (byte) (1 << at % 8);
+            Files.write(last, damaged);
+            problems.clear();
+            assertThat(read()).as("byte %d", at).hasSize(at < second ? 2 : 3);
+            assertThat(problems).singleElement().asString().contains(last.toString(), at < first
+                    ? "no recording" : "at byte " + (at < second ? first : second));
+        }
+    }
+
+    @Test
+    void aStoreThatIsRemovedIsToldAndMadeAnewWithTheNextImage() throws Exception {
+        fill();
+        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
+            Files.delete(file);
+            JournalSink.Place place = store.place();
+            assertThatExceptionOfType(IOException.class)
+                    .isThrownBy(() -> place.write(List.of(), image(60)))
+                    .withMessage(file + " was removed; it has been made anew");
+            store.write(new JournalRecord.Frame(61, new byte[10]));
+            store.place().write(List.of(), image(61));
+            store.write(new JournalRecord.Frame(62, new byte[10]));
+        }
+        assertThat(read()).containsExactly("image 61", "frame 62");
+    }
+
+    @Test
+    void framesThatCannotBeWrittenAreToldByNameAndReason() throws Exception {
+        fill();
+        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
+            Files.createDirectory(folder.resolve("my.db-frames-6"));
+            store.place().write(List.of(), image(60));
+            assertThatExceptionOfType(IOException.class)
+                    .isThrownBy(() -> store.write(new JournalRecord.Frame(61, new byte[10])))
+                    .withMessageContaining("my.db-frames-6 could not be written: Is a directory");
+        }
+    }
+
+    @Test
+    void aRecordingOnAFullDiskIsRefusedByNameAndReason() {
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> RunLog.create(Path.of("/dev/full")))
+                .withMessage("/dev/full could not be written: No space left on device");
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> RunLog.create(folder.resolve("none/run.log")))
+                .withMessageContaining("run.log could not be written: there is no folder "
+                        + folder.resolve("none"));
     }
 
     @Test
@@ -148,16 +216,27 @@ class SqliteStoreTest {
                 .withMessageContaining(message);
     }
 
-    /** Images of the frames 10 to 50 with two groups of two frames after each. */
+    private List<String> read() throws IOException {
+        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
+            return describe(store.read(problems::add));
+        }
+    }
+
+    private static JournalRecord.Image image(long frame) {
+        return new JournalRecord.Image(frame, new byte[100]);
+    }
+
+    /** Images of the frames 10 to 50 with two frames after each. */
     private void fill() throws IOException {
         Random random = new Random(SEED);
         try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
             assertThat(store.isEmpty()).isTrue();
-            store.write(new JournalRecord.Library(SHA, bytes(random, 3000)));
+            var library = new JournalRecord.Library(SHA, bytes(random, 3000));
             for (int frame = 10; frame <= 50; frame += 10) {
-                store.write(new JournalRecord.Image(frame, bytes(random, 6000)));
-                store.write(new JournalRecord.Frames(frame + 1, frame + 2, bytes(random, 700)));
-                store.write(new JournalRecord.Frames(frame + 3, frame + 4, bytes(random, 700)));
+                store.place().write(List.of(library),
+                        new JournalRecord.Image(frame, bytes(random, 6000)));
+                store.write(new JournalRecord.Frame(frame + 1, bytes(random, 200)));
+                store.write(new JournalRecord.Frame(frame + 2, bytes(random, 200)));
             }
         }
     }
@@ -172,7 +251,7 @@ class SqliteStoreTest {
         return records.stream().map(record -> switch (record) {
             case JournalRecord.Library library -> "library " + library.sha256();
             case JournalRecord.Image image -> "image " + image.frame();
-            case JournalRecord.Frames frames -> "frames " + frames.first() + "-" + frames.last();
+            case JournalRecord.Frame frame -> "frame " + frame.frame();
         }).toList();
     }
 
@@ -183,8 +262,8 @@ class SqliteStoreTest {
                     case JournalRecord.Library library -> "";
                     case JournalRecord.Image image ->
                             image.frame() + " " + Arrays.hashCode(image.bytes());
-                    case JournalRecord.Frames frames -> frames.first() + " " + frames.last() + " "
-                            + Arrays.hashCode(frames.lines());
+                    case JournalRecord.Frame frame ->
+                            frame.frame() + " " + Arrays.hashCode(frame.json());
                 }).toList();
     }
 

@@ -210,11 +210,25 @@ class ReplayNativeTest {
 
             @Override
             public void write(JournalRecord record) throws IOException {
-                if (!failed && record instanceof JournalRecord.Frames) {
+                if (!failed && record instanceof JournalRecord.Frame) {
                     failed = true;
                     throw new IOException("disk full");
                 }
                 kept.add(record);
+            }
+
+            @Override
+            public Place place() {
+                int at = kept.size();
+                return (libraries, image) -> {
+                    kept.add(at, image);
+                    kept.addAll(at, libraries);
+                };
+            }
+
+            @Override
+            public void sync() {
+                // nothing outlives this process anyway
             }
 
             @Override
@@ -292,9 +306,9 @@ class ReplayNativeTest {
         try (RunLog.Reader records = RunLog.open(log); JournalSink sink = RunLog.create(to)) {
             while (records.hasNext()) {
                 JournalRecord record = records.next();
-                sink.write(record instanceof JournalRecord.Frames frames
-                        ? new JournalRecord.Frames(frames.first(), frames.last(),
-                                new String(frames.lines(), StandardCharsets.UTF_8)
+                sink.write(record instanceof JournalRecord.Frame frame
+                        ? new JournalRecord.Frame(frame.frame(),
+                                new String(frame.json(), StandardCharsets.UTF_8)
                                         .replace(text, other).getBytes(StandardCharsets.UTF_8))
                         : record);
             }
