@@ -187,24 +187,25 @@ class ReplayNativeTest {
 
     @Test
     void aSinkThatFailsCostsTheJournalUpToTheNextImageAndNothingElse() throws Exception {
-        List<JournalRecord> kept = new ArrayList<>();
+        List<List<JournalRecord>> kept = new ArrayList<>();
         List<String> problems = new ArrayList<>();
         try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
             try (Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                    new Journal.Plan(20, true), failingAtFirstFrames(kept), problems::add)) {
+                    new Journal.Plan(20, true), failingAtFirstFrame(kept), problems::add)) {
                 simulation.loop().run(100);
             }
             assertThat(simulation.loop().frame()).isEqualTo(100);
             assertThat(problems).isNotEmpty().first().asString().contains("disk full");
         }
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
-            kept.forEach(record -> assertThat(replay.take(record)).isTrue());
+            kept.forEach(records -> records.forEach(
+                    record -> assertThat(replay.take(record)).isTrue()));
             assertThat(replay.release().loop().frame()).isEqualTo(100);
         }
     }
 
-    /** Fails at the first group of frames, once: however they are grouped, an image follows. */
-    private static JournalSink failingAtFirstFrames(List<JournalRecord> kept) {
+    /** Fails at the first frame, once; images and what follows them are lists of their own. */
+    private static JournalSink failingAtFirstFrame(List<List<JournalRecord>> kept) {
         return new JournalSink() {
             private boolean failed;
 
@@ -214,15 +215,17 @@ class ReplayNativeTest {
                     failed = true;
                     throw new IOException("disk full");
                 }
-                kept.add(record);
+                kept.getLast().add(record);
             }
 
             @Override
             public Place place() {
-                int at = kept.size();
+                List<JournalRecord> own = new ArrayList<>();
+                kept.add(own);
+                kept.add(new ArrayList<>());
                 return (libraries, image) -> {
-                    kept.add(at, image);
-                    kept.addAll(at, libraries);
+                    own.addAll(libraries);
+                    own.add(image);
                 };
             }
 
