@@ -1,9 +1,12 @@
-"""A curious agent: looks for the item it finds most interesting, follows it with its eyes, and pushes it at times.
+"""A curious agent: goes to the item it finds most interesting, pushes it until it has moved, and turns to the next.
 
 Interesting is what has a high symbol `interest`, or, among equals, what is unlike the rest: each symbol counts the
-more the fewer items share its value. The last line on standard output is a JSON summary.
+more the fewer items share its value. What was pushed about is boring for a while. If its body has an action `roll`,
+it goes there and runs against the item; if the item has an action `push`, it does that. The last line on
+standard output is a JSON summary.
 
-    python3 curious.py --port 7777 --seconds 10
+    ./reve serve worlds/playground --port 7777 &
+    python3 curious.py --port 7777 --seconds 30
 """
 
 from __future__ import annotations
@@ -13,16 +16,19 @@ import json
 import math
 import sys
 from collections import Counter
-from typing import Any, Dict, List, Optional, Tuple
+from typing import Any, Dict, List, Optional, Sequence, Tuple
 
 import reve
 
-Location = Tuple[float, float, float]
+Vector = Tuple[float, float, float]
 
 _EVERYBODY_HAS = ("name", "class", "dimensions", "interest")
+_MOVED_ENOUGH = 0.5  # m
+_PATIENCE = 8.0  # s, for one item
+_BORED_FOR = 12.0  # s
 
 
-def surprise(item: reve.Item, items: Tuple[reve.Item, ...]) -> float:
+def surprise(item: reve.Item, items: Sequence[reve.Item]) -> float:
     """How unlike the rest an item is [bits]: a symbol that one item in eight shares counts three."""
     bits = 0.0
     for symbol, value in item.symbols.items():
@@ -32,22 +38,23 @@ def surprise(item: reve.Item, items: Tuple[reve.Item, ...]) -> float:
     return bits
 
 
-def interest(item: reve.Item, items: Tuple[reve.Item, ...]) -> Tuple[float, float, str]:
+def interest(item: reve.Item, items: Sequence[reve.Item]) -> Tuple[float, float, str]:
     """Sorts items; the name decides between equals, so that two runs agree."""
     declared = item.symbols.get("interest", 0.0)
     number = float(declared) if isinstance(declared, (int, float)) else 0.0
     return number, surprise(item, items), item.name
 
 
-def most_interesting(perception: reve.Perception, own_body: str) -> Optional[reve.Item]:
-    """Of what has a place and is not the agent itself."""
-    items = perception.items
-    others = [i for i in items if i.location is not None and i.name != own_body]
-    return max(others, key=lambda item: interest(item, items), default=None)
+def along(start: Vector, end: Vector, length: float) -> List[float]:
+    """A vector of that length from start towards end; along x if they are the same place."""
+    distance = math.dist(start, end)
+    if distance == 0.0:
+        return [length, 0.0, 0.0]
+    return [length * (b - a) / distance for a, b in zip(start, end)]
 
 
 class Curious:
-    """Watches one world for a while and remembers what it saw and did."""
+    """Explores one world for a while and remembers what it saw and did."""
 
     def __init__(self, agent: reve.Agent, options: argparse.Namespace) -> None:
         self.agent = agent
@@ -55,14 +62,18 @@ class Curious:
         self.perceptions = 0
         self.frames: List[int] = []
         self.favourite: Optional[str] = None
-        self.last_seen: Optional[Location] = None
+        self.chosen_at = 0.0
+        self.found_at: Optional[Vector] = None
+        self.last_seen: Optional[Vector] = None
+        self.bored_until: Dict[str, float] = {}
         self.path = 0.0
-        self.next_push: Optional[float] = None
+        self.next_push = 0.0
         self.pushes = 0
+        self.moved: List[str] = []
         self.refusals: Counter[str] = Counter()
         self.events: Counter[str] = Counter()
 
-    def watch(self) -> None:
+    def explore(self) -> None:
         begun: Optional[float] = None
         for perception in self.agent.perceptions(every=self.options.every):
             begun = perception.time if begun is None else begun
@@ -80,39 +91,52 @@ class Curious:
         return perception.time - begun >= self.options.seconds
 
     def look(self, perception: reve.Perception) -> None:
-        item = most_interesting(perception, self.agent.body)
+        me = perception.find(self.agent.body)
+        item = self.most_interesting(perception)
         if item is None or item.location is None:
             return
         if item.name != self.favourite:
-            self.favourite, self.last_seen, self.next_push = item.name, None, None
+            self.choose(item, perception.time)
         if self.last_seen is not None:
             self.path += math.dist(item.location, self.last_seen)
         self.last_seen = item.location
-        self.push_at_times(item, perception)
-
-    def push_at_times(self, item: reve.Item, perception: reve.Perception) -> None:
-        if "impulse" not in item.actions.get("push", {}):
-            return
-        if self.next_push is None:
-            self.next_push = perception.time + self.options.push_every
-        if perception.time < self.next_push:
-            return
-        self.next_push = perception.time + self.options.push_every
-        result = self.agent.act(item, "push", impulse=self.away_from_me(item, perception))
-        if result:
-            self.pushes += 1
-        elif result.code is not None:
-            self.refusals[result.code] += 1
-
-    def away_from_me(self, item: reve.Item, perception: reve.Perception) -> List[float]:
-        """An impulse of the chosen strength [N*s], along the line from the agent's body to the item."""
-        me = perception.find(self.agent.body)
+        if math.dist(item.location, self.found_at) > _MOVED_ENOUGH:
+            self.moved.append(item.name)
+            self.lose_interest(perception.time)
+        elif perception.time - self.chosen_at > _PATIENCE:
+            self.lose_interest(perception.time)
         here = me.location if me is not None and me.location is not None else (0.0, 0.0, 0.0)
-        there = item.location if item.location is not None else here
-        distance = math.dist(here, there)
-        if distance == 0.0:
-            return [self.options.strength, 0.0, 0.0]
-        return [self.options.strength * (b - a) / distance for a, b in zip(here, there)]
+        if me is not None and "force" in me.actions.get("roll", {}):
+            self.do(me, "roll", force=along(here, item.location, self.options.force))
+        if "impulse" in item.actions.get("push", {}) and perception.time >= self.next_push:
+            self.next_push = perception.time + self.options.push_every
+            if self.do(item, "push", impulse=along(here, item.location, self.options.strength)):
+                self.pushes += 1
+
+    def most_interesting(self, perception: reve.Perception) -> Optional[reve.Item]:
+        """Of what has a place, is not the agent itself, and is neither ground nor boring."""
+        items = perception.items
+        others = [
+            i for i in items
+            if i.location is not None and i.name != self.agent.body and i.symbols.get("class") != "ground"
+            and self.bored_until.get(i.name, 0.0) <= perception.time
+        ]
+        return max(others, key=lambda item: interest(item, items), default=None)
+
+    def choose(self, item: reve.Item, time: float) -> None:
+        self.favourite, self.chosen_at = item.name, time
+        self.found_at, self.last_seen = item.location, None
+        self.next_push = time + self.options.push_every
+
+    def lose_interest(self, time: float) -> None:
+        self.bored_until[self.favourite] = time + _BORED_FOR
+        self.favourite = None
+
+    def do(self, item: reve.Item, action: str, **arguments: List[float]) -> reve.Result:
+        result = self.agent.act(item, action, **arguments)
+        if result.code is not None:
+            self.refusals[result.code] += 1
+        return result
 
     def summary(self, ended: str) -> Dict[str, Any]:
         self.events.update(event.type for event in self.agent.events())
@@ -124,6 +148,7 @@ class Curious:
             "lastFrame": self.frames[1] if self.frames else None,
             "favourite": self.favourite,
             "sawItMoveMetres": round(self.path, 3),
+            "moved": self.moved,
             "pushes": self.pushes,
             "actsRefused": dict(sorted(self.refusals.items())),
             "events": dict(sorted(self.events.items())),
@@ -132,7 +157,7 @@ class Curious:
 
 
 def parse(arguments: List[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Follows and pushes the most interesting item of a world.")
+    parser = argparse.ArgumentParser(description="Goes to the most interesting items of a world and pushes them.")
     parser.add_argument("--host", default="127.0.0.1")
     parser.add_argument("--port", type=int, default=7777)
     parser.add_argument("--name", default="curious")
@@ -141,6 +166,7 @@ def parse(arguments: List[str]) -> argparse.Namespace:
     parser.add_argument("--every", type=int, default=6, help="perceive every that many frames")
     parser.add_argument("--push-every", type=float, default=1.0, help="seconds of the world between pushes")
     parser.add_argument("--strength", type=float, default=0.5, help="of a push [N*s]")
+    parser.add_argument("--force", type=float, default=80.0, help="to roll with [N]")
     return parser.parse_args(arguments)
 
 
@@ -155,7 +181,7 @@ def main(arguments: List[str]) -> int:
         curious = Curious(agent, options)
         ended = "done"
         try:
-            curious.watch()
+            curious.explore()
         except reve.Disconnected as error:
             ended = error.code
         except reve.ReveError as error:
