@@ -7,28 +7,30 @@ import java.lang.foreign.MemorySegment;
  */
 public final class Column extends ColumnView {
 
+    private final Table table;
     private final World world;
     private MemorySegment memory;
     private MemorySegment used;
-    private int rows;
     private long version;
     private boolean editNoted;
 
-    Column(World world, PropertyDescriptor descriptor, MemorySegment memory) {
+    /** @param memory zeroed */
+    Column(Table table, PropertyDescriptor descriptor, MemorySegment memory) {
         super(descriptor);
-        this.world = world;
+        this.table = table;
+        this.world = table.world();
         this.memory = memory;
         this.used = memory.asSlice(0, 0);
     }
 
     @Override
     public int rowCount() {
-        return rows;
+        return table.rowCount();
     }
 
     @Override
     public MemorySegment segment() {
-        long bytes = (long) rows * descriptor().rowBytes();
+        long bytes = (long) rowCount() * descriptor().rowBytes();
         if (used.byteSize() != bytes) {
             used = memory.asSlice(0, bytes);
         }
@@ -52,6 +54,13 @@ public final class Column extends ColumnView {
             case REF -> throw wrongType("a number");
         }
         version++;
+    }
+
+    /** As {@link #write}, of all components. */
+    void write(int row, double[] values) {
+        for (int i = 0; i < values.length; i++) {
+            write(row, i, values[i]);
+        }
     }
 
     /** As {@link #write}, in DERIVE; the version is raised only if somebody else has to know. */
@@ -125,14 +134,10 @@ public final class Column extends ColumnView {
     /** Moves to larger memory and returns the old. */
     MemorySegment moveTo(MemorySegment larger) {
         MemorySegment old = memory;
-        MemorySegment.copy(old, 0, larger, 0, (long) rows * descriptor().rowBytes());
+        MemorySegment.copy(old, 0, larger, 0, (long) rowCount() * descriptor().rowBytes());
         memory = larger;
         used = larger.asSlice(0, 0);
         return old;
-    }
-
-    void setRowCount(int count) {
-        rows = count;
     }
 
     void copyRow(int from, int to) {
@@ -140,8 +145,8 @@ public final class Column extends ColumnView {
         MemorySegment.copy(memory, from * bytes, memory, to * bytes, bytes);
     }
 
-    void clearRow(int row) {
+    void clearRows(int first, int count) {
         long bytes = descriptor().rowBytes();
-        memory.asSlice(row * bytes, bytes).fill((byte) 0);
+        memory.asSlice(first * bytes, count * bytes).fill((byte) 0);
     }
 }

@@ -16,6 +16,7 @@ final class DefinitionCheck {
     private final World world;
     private final List<ItemDefinition> definitions;
     private final Map<String, ItemDefinition> batch = new HashMap<>();
+    private Map<String, Object> checkedSymbols = Map.of();
     /** Names whose chain of parents is known to end. */
     private final Set<String> rooted = new HashSet<>();
 
@@ -30,11 +31,19 @@ final class DefinitionCheck {
             checkName(definition);
             checkKind(definition);
             checkNumbers(definition);
-            definition.symbols().forEach((symbol, value) -> Values.requireSymbol(world.prototype(),
-                    definition.name(), symbol, value));
+            checkSymbols(definition);
         }
         definitions.forEach(this::checkReferences);
         definitions.forEach(this::checkParent);
+    }
+
+    /** Symbols that items share are checked once. */
+    private void checkSymbols(ItemDefinition definition) {
+        if (definition.symbols() != checkedSymbols) {
+            definition.symbols().forEach((symbol, value) -> Values.requireSymbol(
+                    world.prototype(), definition.name(), symbol, value));
+            checkedSymbols = definition.symbols();
+        }
     }
 
     static void requireFree(String name, boolean taken) {
@@ -77,7 +86,7 @@ final class DefinitionCheck {
                     + definition.kind() + " has no place, shape or colour: only kind body has");
         }
         ScalarType real = world.prototype().realType();
-        for (double metres : definition.location()) {
+        for (double metres : definition.sharedLocation()) {
             if (real == ScalarType.F32 && !Float.isFinite((float) metres)) {
                 throw new IllegalArgumentException("item " + definition.name() + ": position is "
                         + metres + ", which does not fit type " + real);
@@ -87,15 +96,19 @@ final class DefinitionCheck {
 
     private void checkNumbers(ItemDefinition definition) {
         Table table = world.table(definition.kind());
-        for (String property : definition.physicsProperties()) {
-            Column column = physicsColumn(table, definition, property);
+        List<String> properties = definition.physicsProperties();
+        for (int i = 0; i < properties.size(); i++) {
+            Column column = physicsColumn(table, definition, properties.get(i));
             Values.requireFits(definition.name(), column.descriptor(),
-                    definition.physics(property).orElseThrow());
+                    definition.physicsValues().get(i));
         }
     }
 
     private void checkReferences(ItemDefinition definition) {
         Table table = world.table(definition.kind());
+        if (table.references().isEmpty() && !definition.hasReferences()) {
+            return;
+        }
         Set<String> given = new HashSet<>();
         definition.references().forEach((property, targets) -> {
             PropertyDescriptor descriptor =

@@ -1,14 +1,11 @@
 package reve.core.world;
 
-import java.util.ArrayList;
-import java.util.Collections;
-import java.util.LinkedHashMap;
-import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.Set;
 import org.jspecify.annotations.Nullable;
+import org.pcollections.PMap;
+import org.pcollections.TreePMap;
 
 /**
  * Everything an item begins with. What can be checked without a world is checked here, the rest by
@@ -25,12 +22,12 @@ public final class ItemDefinition {
     private final double[] location;
     private final double[] orientation;
     private final Optional<String> parent;
-    private final Map<String, Object> symbols;
+    private final PMap<String, Object> symbols;
     private final List<Action> actions;
     private final List<String> capabilities;
     private final List<Sensor> sensors;
-    private final Map<String, double[]> numbers;
-    private final Map<String, List<String>> references;
+    private final Named<double[]> numbers;
+    private final Named<List<String>> references;
 
     private ItemDefinition(Builder builder) {
         name = builder.name;
@@ -43,12 +40,12 @@ public final class ItemDefinition {
         location = builder.location;
         orientation = builder.orientation;
         parent = Optional.ofNullable(builder.parent);
-        symbols = Collections.unmodifiableMap(new LinkedHashMap<>(builder.symbols));
-        actions = List.copyOf(builder.actions);
-        capabilities = List.copyOf(builder.capabilities);
-        sensors = List.copyOf(builder.sensors);
-        numbers = new LinkedHashMap<>(builder.numbers);
-        references = new LinkedHashMap<>(builder.references);
+        symbols = builder.symbols;
+        actions = builder.actions;
+        capabilities = builder.capabilities;
+        sensors = builder.sensors;
+        numbers = builder.numbers;
+        references = builder.references;
     }
 
     /** Begins a definition: kind body, no shape, at the origin, scenery. */
@@ -75,22 +72,22 @@ public final class ItemDefinition {
             now.location = item.attachment().pose().location();
             now.orientation = item.attachment().pose().orientation();
         });
-        now.symbols.putAll(item.symbols().given());
-        now.actions.addAll(item.symbols().actions());
-        now.capabilities.addAll(item.symbols().capabilities());
-        now.sensors.addAll(item.symbols().sensors());
+        now.symbols = item.symbols().given();
+        now.actions = item.symbols().actions();
+        now.capabilities = item.symbols().capabilities();
+        now.sensors = item.symbols().sensors();
         for (String name : item.physics().properties()) {
             Column column = item.table().physicsColumn(name);
             if (column.type() == ScalarType.REF) {
-                now.references.put(name, item.physics().references(name).stream()
+                now.references = now.references.with(name, item.physics().references(name).stream()
                         .map(target -> item.world().item(target).name()).toList());
             } else if (!Values.isZero(item.physics().vector(name))) {
-                now.numbers.put(name, item.physics().vector(name));
+                now.numbers = now.numbers.with(name, item.physics().vector(name));
             }
         }
         if (now.numbers.isEmpty() && now.references.isEmpty() && !item.physics().isEmpty()) {
             String first = item.physics().properties().iterator().next();
-            now.numbers.put(first, item.physics().vector(first));
+            now.numbers = now.numbers.with(first, item.physics().vector(first));
         }
         return now.build();
     }
@@ -103,12 +100,12 @@ public final class ItemDefinition {
     /** The same item with other symbols: text, truth, finite numbers or lists. */
     public ItemDefinition withSymbols(Map<String, Object> otherSymbols) {
         Builder copy = copy(name);
-        copy.symbols.clear();
+        copy.symbols = TreePMap.empty();
         otherSymbols.forEach(copy::symbol);
         return copy.build();
     }
 
-    /** Begins a definition of another name that has all that this one has. */
+    /** Begins a definition of another name that has, and shares, all that this one has. */
     public Builder copy(String newName) {
         Builder copy = new Builder(newName);
         copy.kind = kind;
@@ -119,12 +116,12 @@ public final class ItemDefinition {
         copy.location = location;
         copy.orientation = orientation;
         copy.parent = parent.orElse(null);
-        copy.symbols.putAll(symbols);
-        copy.actions.addAll(actions);
-        copy.capabilities.addAll(capabilities);
-        copy.sensors.addAll(sensors);
-        copy.numbers.putAll(numbers);
-        copy.references.putAll(references);
+        copy.symbols = symbols;
+        copy.actions = actions;
+        copy.capabilities = capabilities;
+        copy.sensors = sensors;
+        copy.numbers = numbers;
+        copy.references = references;
         return copy;
     }
 
@@ -165,8 +162,8 @@ public final class ItemDefinition {
         return parent;
     }
 
-    /** Designer's symbols: String, Double, Boolean, or a List of such. */
-    public Map<String, Object> symbols() {
+    /** Designer's symbols, in alphabetical order: String, Double, Boolean, or a List of such. */
+    public PMap<String, Object> symbols() {
         return symbols;
     }
 
@@ -191,7 +188,7 @@ public final class ItemDefinition {
 
     /** Names of the numeric physics properties given, in the order given. */
     public List<String> physicsProperties() {
-        return List.copyOf(numbers.keySet());
+        return numbers.names();
     }
 
     /** Values of a numeric physics property [its unit], empty if not given. */
@@ -201,7 +198,26 @@ public final class ItemDefinition {
 
     /** Names of the items that each reference property refers to. */
     public Map<String, List<String>> references() {
-        return Collections.unmodifiableMap(references);
+        return references.toMap();
+    }
+
+    /** Values of the {@link #physicsProperties()}, in their order; not to be changed. */
+    List<double[]> physicsValues() {
+        return numbers.values();
+    }
+
+    /** As {@link #location()}, not to be changed. */
+    double[] sharedLocation() {
+        return location;
+    }
+
+    /** As {@link #orientation()}, not to be changed. */
+    double[] sharedOrientation() {
+        return orientation;
+    }
+
+    boolean hasReferences() {
+        return !references.isEmpty();
     }
 
     /** True if shape, material, colour, place or orientation were given. */
@@ -221,12 +237,12 @@ public final class ItemDefinition {
         private double[] location = {0, 0, 0};
         private double[] orientation = {0, 0, 0, 1};
         private @Nullable String parent;
-        private final Map<String, Object> symbols = new LinkedHashMap<>();
-        private final List<Action> actions = new ArrayList<>();
-        private final Set<String> capabilities = new LinkedHashSet<>();
-        private final List<Sensor> sensors = new ArrayList<>();
-        private final Map<String, double[]> numbers = new LinkedHashMap<>();
-        private final Map<String, List<String>> references = new LinkedHashMap<>();
+        private PMap<String, Object> symbols = TreePMap.empty();
+        private List<Action> actions = List.of();
+        private List<String> capabilities = List.of();
+        private List<Sensor> sensors = List.of();
+        private Named<double[]> numbers = Named.none();
+        private Named<List<String>> references = Named.none();
 
         private Builder(String name) {
             this.name = Names.require("item name", name);
@@ -287,7 +303,7 @@ public final class ItemDefinition {
 
         /** A semantic symbol: text, truth, a finite number, or a list of such. */
         public Builder symbol(String symbol, Object value) {
-            symbols.put(symbol, Values.requireSymbol(name, symbol, value));
+            symbols = symbols.plus(symbol, Values.requireSymbol(name, symbol, value));
             return this;
         }
 
@@ -297,13 +313,16 @@ public final class ItemDefinition {
                 throw new IllegalArgumentException(
                         "item " + name + " has two actions named " + action.name());
             }
-            actions.add(action);
+            actions = Named.append(actions, action);
             return this;
         }
 
         /** Something that the item, as the body of an agent, can do with others: {@code grip}. */
         public Builder capability(String capability) {
-            capabilities.add(Names.require("capability of item " + name, capability));
+            Names.require("capability of item " + name, capability);
+            if (!capabilities.contains(capability)) {
+                capabilities = Named.append(capabilities, capability);
+            }
             return this;
         }
 
@@ -313,20 +332,20 @@ public final class ItemDefinition {
                 throw new IllegalArgumentException(
                         "item " + name + " has two sensors named " + sensor.name());
             }
-            sensors.add(sensor);
+            sensors = Named.append(sensors, sensor);
             return this;
         }
 
         /** A numeric physics property [its SI unit]. */
         public Builder physics(String property, double... values) {
             Values.requireFinite(name, property, values);
-            numbers.put(property, values.clone());
+            numbers = numbers.with(property, values.clone());
             return this;
         }
 
         /** A physics property that refers to items by name: {@code end1}, {@code vertices}, ... */
         public Builder reference(String property, String... itemNames) {
-            references.put(property, List.of(itemNames));
+            references = references.with(property, List.of(itemNames));
             return this;
         }
 

@@ -43,7 +43,7 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     /** What is symbolic in a definition; attached to nothing, whatever it says. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {
         this(id, definition.name(), definition.kind(), definition.shape(),
-                definition.material(), given(definition.symbols()), NO_SYMBOLS,
+                definition.material(), definition.symbols(), NO_SYMBOLS,
                 definition.actions(), definition.capabilities(), definition.sensors(), null);
     }
 

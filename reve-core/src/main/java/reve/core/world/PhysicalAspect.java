@@ -11,6 +11,8 @@ import org.jspecify.annotations.Nullable;
  */
 public final class PhysicalAspect {
 
+    private static final double[] NO_CORNER = {Double.NaN, Double.NaN, Double.NaN};
+
     private final Item item;
 
     PhysicalAspect(Item item) {
@@ -108,26 +110,22 @@ public final class PhysicalAspect {
         return read("boundsMax");
     }
 
+    /** Writes what a definition, checked before, says; there is no box until DERIVE. */
     void place(ItemDefinition definition) {
-        write("position", definition.location());
-        write("orientation", definition.orientation());
+        Table table = item.table();
+        table.column("position").write(item.row, definition.sharedLocation());
+        table.column("orientation").write(item.row, definition.sharedOrientation());
         writeColour(definition.colour());
         writeShape(definition.shape());
-        forgetBounds();
-    }
-
-    /** There is no box until DERIVE. */
-    private void forgetBounds() {
-        for (String corner : List.of("boundsMin", "boundsMax")) {
-            Column column = item.table().column(corner);
-            for (int i = 0; i < column.components(); i++) {
-                column.write(item.checkedRow(), i, Double.NaN);
-            }
-        }
+        table.column("boundsMin").write(item.row, NO_CORNER);
+        table.column("boundsMax").write(item.row, NO_CORNER);
     }
 
     private void writeShape(Shape shape) {
-        write("size", shape.size(0), shape.size(1), shape.size(2));
+        Column size = item.table().column("size");
+        for (int axis = 0; axis < 3; axis++) {
+            size.write(item.checkedRow(), axis, shape.size(axis));
+        }
         item.table().column("shape").write(item.checkedRow(), 0, shape.code());
     }
 

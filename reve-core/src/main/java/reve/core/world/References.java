@@ -4,7 +4,6 @@ import java.util.Collection;
 import java.util.HashSet;
 import java.util.LinkedHashSet;
 import java.util.List;
-import java.util.Map;
 import java.util.Set;
 
 /** Columns of references between items, and how many point at each. World's thread only. */
@@ -13,16 +12,18 @@ final class References {
     private static final int NAMED_IN_MESSAGES = 5;
 
     private final List<Table> tables;
-    private final Map<ItemId, Item> items;
+    private final Register register;
 
-    /** @param items the world's, as they come and go */
-    References(List<Table> tables, Map<ItemId, Item> items) {
+    References(List<Table> tables, Register register) {
         this.tables = tables;
-        this.items = items;
+        this.register = register;
     }
 
     /** Points an added item, checked before, at those that its definition names. */
     void resolve(Item item, ItemDefinition definition) {
+        if (!definition.hasReferences()) {
+            return;
+        }
         World world = item.world();
         definition.references().forEach((property, names) -> {
             Column column = item.table().physicsColumn(property);
@@ -63,7 +64,7 @@ final class References {
 
     /** Counts anew how many references point at each item. */
     void countAll() {
-        items.values().forEach(item -> item.referrers = 0);
+        register.items().forEach(item -> item.referrers = 0);
         for (Table table : tables) {
             for (Column column : table.references()) {
                 for (int row = 0; row < table.physicsRowCount(); row++) {
@@ -90,7 +91,7 @@ final class References {
                 for (int row = 0; row < table.physicsRowCount(); row++) {
                     for (int i = 0; i < column.components(); i++) {
                         var target = new ItemId(column.getReference(row, i));
-                        if (referredTo.contains(items.get(target))) {
+                        if (referredTo.contains(register.find(target))) {
                             into.add(table.itemAt(row));
                         }
                     }
@@ -114,7 +115,7 @@ final class References {
     }
 
     private void count(long target, int change) {
-        Item item = items.get(new ItemId(target));
+        Item item = register.find(new ItemId(target));
         if (item != null) {
             item.referrers += change;
         }

@@ -1,11 +1,9 @@
 package reve.core.world;
 
-import java.util.Collection;
+import java.util.ArrayList;
 import java.util.Collections;
-import java.util.HashMap;
-import java.util.LinkedHashMap;
 import java.util.List;
-import java.util.Map;
+import java.util.Objects;
 import java.util.function.Function;
 import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
@@ -17,8 +15,8 @@ import org.pcollections.TreePMap;
  */
 final class Register {
 
-    private final Map<ItemId, Item> byId = new LinkedHashMap<>();
-    private final Map<String, Item> byName = new HashMap<>();
+    private final ItemIndex<ItemId> byId = new ItemIndex<>(Item::id);
+    private final ItemIndex<String> byName = new ItemIndex<>(Item::name);
     private final SymbolIndex bySymbol = new SymbolIndex();
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private long lastId;
@@ -33,52 +31,57 @@ final class Register {
     }
 
     @Nullable Item find(ItemId id) {
-        return byId.get(id);
+        return byId.find(id);
     }
 
     @Nullable Item find(String name) {
-        return byName.get(name);
+        return byName.find(name);
     }
 
     List<Item> withSymbol(String symbol, Object value) {
-        return bySymbol.find(symbol, value, byId.values());
+        return bySymbol.find(symbol, value, this::items);
     }
 
-    /** In the order of their ids, as they come and go. */
-    Map<ItemId, Item> byId() {
-        return Collections.unmodifiableMap(byId);
-    }
-
-    Collection<Item> items() {
-        return byId().values();
+    /** In the order of their ids; a copy. */
+    List<Item> items() {
+        List<Item> items = new ArrayList<>(symbols.size());
+        for (ItemId id : symbols.keySet()) {
+            items.add(Objects.requireNonNull(byId.find(id)));
+        }
+        return Collections.unmodifiableList(items);
     }
 
     PMap<ItemId, ItemSymbols> symbols() {
         return symbols;
     }
 
-    void add(Item item) {
-        byId.put(item.id(), item);
-        byName.put(item.name(), item);
-        symbols = symbols.plus(item.id(), item.symbols());
-        bySymbol.follow(item, null, item.symbols());
+    /** Takes in items, whose ids are the highest, in their order. */
+    void addAll(List<Item> items) {
+        for (Item item : items) {
+            byId.add(item);
+            byName.add(item);
+            symbols = symbols.plus(item.id(), item.symbols());
+            bySymbol.follow(item, null, item.symbols());
+        }
     }
 
     void remove(Item item) {
-        byId.remove(item.id());
-        byName.remove(item.name());
+        byId.remove(item);
+        byName.remove(item);
         symbols = symbols.minus(item.id());
         bySymbol.follow(item, item.symbols(), null);
     }
 
     /** Changes what is symbolic about an item, its name included. */
     void setSymbols(Item item, ItemSymbols changed) {
-        if (!changed.name().equals(item.name())) {
-            byName.remove(item.name());
-            byName.put(changed.name(), item);
-        }
         bySymbol.follow(item, item.symbols(), changed);
-        item.setSymbols(changed);
+        if (changed.name().equals(item.name())) {
+            item.setSymbols(changed);
+        } else {
+            byName.remove(item);
+            item.setSymbols(changed);
+            byName.add(item);
+        }
         symbols = symbols.plus(item.id(), changed);
     }
 
@@ -89,20 +92,20 @@ final class Register {
      * @param tableOf the table of a kind
      */
     void restore(WorldImage image, Function<String, Table> tableOf) {
-        byId.values().forEach(item -> item.row = Item.REMOVED);
-        Map<ItemId, Item> restored = new LinkedHashMap<>();
+        items().forEach(item -> item.row = Item.REMOVED);
+        List<Item> restored = new ArrayList<>(image.symbols().size());
         image.symbols().forEach((id, itemSymbols) -> {
-            Item item = byId.get(id);
+            Item item = byId.find(id);
             if (item == null || !item.kind().equals(itemSymbols.kind())) {
                 item = new Item(tableOf.apply(itemSymbols.kind()), itemSymbols);
             }
             item.setSymbols(itemSymbols);
-            restored.put(id, item);
+            restored.add(item);
         });
         byId.clear();
-        byId.putAll(restored);
         byName.clear();
-        byId.values().forEach(item -> byName.put(item.name(), item));
+        restored.forEach(byId::add);
+        restored.forEach(byName::add);
         bySymbol.clear();
         symbols = image.symbols();
         lastId = image.lastId();

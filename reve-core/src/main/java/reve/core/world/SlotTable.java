@@ -1,6 +1,7 @@
 package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
@@ -43,7 +44,7 @@ final class SlotTable {
             if (before != null && before.rowCount == rowCount
                     && isSame(source, before.buffers[i].memory(), bytes)) {
                 buffers[i] = memory.get(i).share(before.buffers[i]);
-            } else if (isSame(source, zeros.of(bytes).memory(), bytes)) {
+            } else if (isZero(source, bytes)) {
                 buffers[i] = memory.get(i).share(zeros.of(bytes));
             } else {
                 buffers[i] = memory.get(i).take(bytes);
@@ -72,6 +73,12 @@ final class SlotTable {
     private void letGo(int column) {
         memory.get(column).release(buffers[column]);
         buffers[column] = ColumnBuffers.NONE;
+    }
+
+    /** Whether the first byte is 0, and each the same as the one before it. */
+    private static boolean isZero(MemorySegment memory, long bytes) {
+        return bytes == 0 || memory.get(ValueLayout.JAVA_BYTE, 0) == 0
+                && MemorySegment.mismatch(memory, 0, bytes - 1, memory, 1, bytes) < 0;
     }
 
     private static boolean isSame(MemorySegment a, MemorySegment b, long bytes) {

@@ -1,11 +1,11 @@
 package reve.core.world;
 
-import java.util.Collection;
 import java.util.Comparator;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.TreeSet;
+import java.util.function.Supplier;
 import org.jspecify.annotations.Nullable;
 
 /**
@@ -19,14 +19,14 @@ final class SymbolIndex {
     /**
      * Items that have the value, in the order of their ids; a copy.
      *
-     * @param all every item of the world, looked through for a symbol asked for the first time
+     * @param all gives every item of the world, to look through for a symbol not yet indexed
      */
-    List<Item> find(String symbol, Object value, Collection<Item> all) {
+    List<Item> find(String symbol, Object value, Supplier<List<Item>> all) {
         Map<Object, TreeSet<Item>> index = byValue.get(symbol);
         if (index == null) {
             index = new HashMap<>();
             byValue.put(symbol, index);
-            for (Item item : all) {
+            for (Item item : all.get()) {
                 add(index, symbol, item, item.symbols());
             }
         }

@@ -10,7 +10,10 @@ import java.util.function.LongFunction;
 import java.util.stream.Stream;
 import reve.core.unit.Unit;
 
-/** The live rows of one kind. World's thread only; rows come and go through {@link World}. */
+/**
+ * The live rows of one kind. World's thread only; rows come and go through {@link World}. Memory
+ * behind the last row is always zero.
+ */
 public final class Table implements TableView {
 
     private static final int INITIAL_CAPACITY = 64;
@@ -120,13 +123,17 @@ public final class Table implements TableView {
     /** Gives an item a zeroed row at the end of its part. */
     void insert(Item item, boolean physics) {
         makeRoom(rowCount + 1);
-        setRowCount(rowCount + 1);
-        int row = rowCount - 1;
+        int row = rowCount++;
         if (physics) {
-            move(physicsRowCount, row);
+            if (physicsRowCount < row) {
+                move(physicsRowCount, row);
+                clear(physicsRowCount, 1);
+            }
             row = physicsRowCount++;
         }
-        put(item, row);
+        items[row] = item;
+        item.row = row;
+        ids.setReference(row, 0, item.id().value());
     }
 
     /** Takes an item's row away; the last row of each part moves into the gap. */
@@ -136,10 +143,10 @@ public final class Table implements TableView {
             move(--physicsRowCount, gap);
             gap = physicsRowCount;
         }
-        move(rowCount - 1, gap);
-        items[rowCount - 1] = null;
+        move(--rowCount, gap);
+        items[rowCount] = null;
         item.row = Item.REMOVED;
-        setRowCount(rowCount - 1);
+        clear(rowCount, 1);
     }
 
     /** Moves a scenery row to the end of the physics part, values included. */
@@ -155,6 +162,7 @@ public final class Table implements TableView {
             copy(spare, from);
             items[from] = displaced;
             displaced.row = from;
+            clear(spare, 1);
         }
     }
 
@@ -170,8 +178,9 @@ public final class Table implements TableView {
             copy(spare, to);
             items[to] = item;
             item.row = to;
+            clear(spare, 1);
         }
-        physicsByName.values().forEach(column -> column.clearRow(to));
+        physicsByName.values().forEach(column -> column.clearRows(to, 1));
     }
 
     /** Makes room for that many rows, at least doubling when more memory is needed. */
@@ -188,7 +197,8 @@ public final class Table implements TableView {
     /** Takes over all rows of a copy; the items are told where they are. */
     void restore(TableCopy copy, LongFunction<Item> itemById) {
         makeRoom(copy.rowCount());
-        setRowCount(copy.rowCount());
+        clear(copy.rowCount(), Math.max(0, rowCount - copy.rowCount()));
+        rowCount = copy.rowCount();
         physicsRowCount = copy.physicsRowCount();
         for (int i = 0; i < allColumns.size(); i++) {
             allColumns.get(i).restore(copy.column(i));
@@ -202,15 +212,6 @@ public final class Table implements TableView {
 
     private void grow(Column column, int capacity) {
         world.retire(column.moveTo(reserve(column.descriptor(), capacity)));
-    }
-
-    private void put(Item item, int row) {
-        items[row] = item;
-        item.row = row;
-        for (Column column : columns) {
-            column.clearRow(row);
-        }
-        ids.setReference(row, 0, item.id().value());
     }
 
     private void move(int from, int to) {
@@ -229,11 +230,9 @@ public final class Table implements TableView {
         }
     }
 
-    private void setRowCount(int count) {
-        rowCount = count;
-        ids.setRowCount(count);
-        for (Column column : columns) {
-            column.setRowCount(count);
+    private void clear(int first, int count) {
+        for (Column column : allColumns) {
+            column.clearRows(first, count);
         }
     }
 
@@ -247,7 +246,7 @@ public final class Table implements TableView {
     }
 
     private Column create(PropertyDescriptor property) {
-        return new Column(world, property, reserve(property, items.length));
+        return new Column(this, property, reserve(property, items.length));
     }
 
     private MemorySegment reserve(PropertyDescriptor property, int rows) {

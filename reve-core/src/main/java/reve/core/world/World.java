@@ -67,12 +67,12 @@ public final class World {
         tables = prototype.kinds().stream().map(kind -> new Table(this, kind)).toList();
         tables.forEach(table -> tableByKind.put(table.kind(), table));
         hierarchy = new Hierarchy(table(WorldPrototype.BODY));
-        references = new References(tables, register.byId());
+        references = new References(tables, register);
         forces = new Forces(this);
         space = spaceOf(table(WorldPrototype.BODY));
         relations = new Relations(table(WorldPrototype.BODY), space, id -> item(id).name());
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
-        insert(constants.build(), true);
+        register.addAll(List.of(insert(constants.build(), true)));
     }
 
     public String name() {
@@ -105,6 +105,8 @@ public final class World {
         for (ItemDefinition definition : definitions) {
             added.add(insert(definition, definition.hasPhysics()));
         }
+        register.addAll(added);
+        layoutVersion++;
         for (int i = 0; i < added.size(); i++) {
             link(added.get(i), definitions.get(i));
         }
@@ -332,7 +334,7 @@ public final class World {
     /** All items in the order of their ids, the item {@code world} first; a copy. */
     public List<Item> items() {
         checkOwner();
-        return List.copyOf(register.items());
+        return register.items();
     }
 
     /**
@@ -343,8 +345,9 @@ public final class World {
     public List<Item> itemsInOrderOfRows() {
         checkOwner();
         Map<Table, Integer> nextRow = new HashMap<>();
-        List<Item> ordered = new ArrayList<>(register.items().size());
-        for (Item item : register.items()) {
+        List<Item> items = register.items();
+        List<Item> ordered = new ArrayList<>(items.size());
+        for (Item item : items) {
             if (item.kind().equals(WorldPrototype.WORLD)) {
                 continue;
             }
@@ -601,14 +604,14 @@ public final class World {
         var itemSymbols = new ItemSymbols(register.nextId(), definition);
         Item item = new Item(table, itemSymbols);
         table.insert(item, physics);
-        register.add(item);
         if (!item.physical().isEmpty()) {
             item.physical().place(definition);
         }
-        for (String property : definition.physicsProperties()) {
-            item.physics().write(property, definition.physics(property).orElseThrow());
+        List<String> properties = definition.physicsProperties();
+        for (int i = 0; i < properties.size(); i++) {
+            table.physicsColumn(properties.get(i)).write(item.row,
+                    definition.physicsValues().get(i));
         }
-        layoutVersion++;
         return item;
     }
 

@@ -1,0 +1,72 @@
+package reve.core.world;
+
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * A few values by name, in the order in which the names were given. What is made from another one
+ * by other values of the same names shares the names with it. Immutable.
+ */
+final class Named<V> {
+
+    private final List<String> names;
+    private final List<V> values;
+
+    private Named(List<String> names, List<V> values) {
+        this.names = names;
+        this.values = values;
+    }
+
+    static <V> Named<V> none() {
+        return new Named<>(List.of(), List.of());
+    }
+
+    /** The same, with a value in place of the one that may have had the name. */
+    Named<V> with(String name, V value) {
+        int index = names.indexOf(name);
+        if (index >= 0) {
+            List<V> others = new ArrayList<>(values);
+            others.set(index, value);
+            return new Named<>(names, List.copyOf(others));
+        }
+        return new Named<>(append(names, name), append(values, value));
+    }
+
+    @Nullable V get(String name) {
+        int index = names.indexOf(name);
+        return index < 0 ? null : values.get(index);
+    }
+
+    List<String> names() {
+        return names;
+    }
+
+    /** The values, in the order of the names. */
+    List<V> values() {
+        return values;
+    }
+
+    boolean isEmpty() {
+        return names.isEmpty();
+    }
+
+    /** A copy as a map, in the same order. */
+    Map<String, V> toMap() {
+        var map = new LinkedHashMap<String, V>();
+        for (int i = 0; i < names.size(); i++) {
+            map.put(names.get(i), values.get(i));
+        }
+        return map;
+    }
+
+    /** A list with one more element. */
+    static <E> List<E> append(List<E> list, E element) {
+        List<E> longer = new ArrayList<>(list.size() + 1);
+        longer.addAll(list);
+        longer.add(element);
+        return List.copyOf(longer);
+    }
+}
