@@ -52,7 +52,7 @@ enum Encoding {
     MESSAGEPACK("msgpack") {
         @Override
         byte[] value(Consumer<MessageWriter> content) {
-            try (MessageBufferPacker packer = MessagePack.newDefaultBufferPacker()) {
+            try (MessageBufferPacker packer = PACKER.newBufferPacker()) {
                 content.accept(new MessagePackWriter(packer));
                 return packer.toByteArray();
             } catch (IOException e) {
@@ -87,6 +87,9 @@ enum Encoding {
     };
 
     static final int LENGTH_BYTES = 4;
+
+    /** Its buffers are as small as most messages, as they are made anew for each. */
+    private static final MessagePack.PackerConfig PACKER = new MessagePack.PackerConfig().withBufferSize(512);
 
     private final String wireName;
 

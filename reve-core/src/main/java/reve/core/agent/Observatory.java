@@ -1,5 +1,7 @@
 package reve.core.agent;
 
+import java.lang.foreign.MemorySegment;
+import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.HashSet;
@@ -8,9 +10,11 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
-import reve.core.agent.View.Seen;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Relations;
@@ -27,73 +31,112 @@ final class Observatory {
 
     private static final List<String> RELATIONS = Relations.NAMES.stream().sorted().toList();
 
+    /** What is looked for reaches a little further than the sensor, whose own test decides. */
+    private static final double WIDER = 1 + 1e-9;
+    private static final int NO_ROW = -1;
+
     private final SensedWorld bodies = new SensedWorld();
+    private final Found found = new Found();
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
-    private Map<ItemId, EncodedItem> encoded = new HashMap<>();
-    private Map<String, ItemId> idByName = new HashMap<>();
-    private Map<ItemId, Seen> seen = new HashMap<>();
-    private int[] rows = {};
+    private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
+
+    // By the place in the order of ids.
+    private EncodedItem[] items = {};
+    private int[] rows = {};
+    private Seen[] seen = {};
+    /** What sensors show, as far as somebody has sensed it. */
+    private final Map<Shown, Seen[]> sensed = new HashMap<>();
+
+    // By row.
+    private long[] ids = {};
+    private long[] places = {};
+    private boolean indexed;
+    private final BoxIndex index = new BoxIndex();
 
     /** Reads a frame. @return false if the snapshot was lost meanwhile; then nothing here is to be used */
     boolean read(WorldSnapshot snapshot) {
         try {
-            readSymbols(snapshot.symbols());
             TableSnapshot table = snapshot.table(WorldPrototype.BODY);
+            boolean others = snapshot.symbols() != symbols;
+            if (others) {
+                readItems(snapshot.symbols());
+            }
+            if (others || table.ids().segment().mismatch(MemorySegment.ofArray(ids)) >= 0) {
+                findRows(table);
+            }
             bodies.load(table);
-            readItems(snapshot, table);
+            indexed = false;
+            readPlaces();
+            everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
         } catch (RuntimeException e) {
             if (snapshot.lost()) {
+                forget();
                 return false; // what we read was being overwritten, and cannot make sense
             }
             throw e;
         }
-        return !snapshot.lost();
+        if (snapshot.lost()) {
+            forget();
+            return false;
+        }
+        return true;
     }
 
-    private void readSymbols(PMap<ItemId, ItemSymbols> now) {
-        if (now == symbols) {
-            return;
+    /** What was read of the rows may be wrong. */
+    private void forget() {
+        ids = new long[0];
+        symbols = TreePMap.empty();
+    }
+
+    private void readItems(PMap<ItemId, ItemSymbols> now) {
+        var known = new HashMap<ItemId, Seen>();
+        for (Seen before : seen) {
+            known.put(before.id(), before);
         }
-        var known = new HashMap<ItemId, EncodedItem>();
+        var present = new ArrayList<EncodedItem>(now.size());
         var names = new HashMap<String, ItemId>();
+        var same = new ArrayList<@Nullable Seen>(now.size());
         for (ItemSymbols item : now.values()) {
             if (!item.kind().equals(WorldPrototype.WORLD)) {
-                EncodedItem before = encoded.get(item.id());
-                known.put(item.id(), before != null && before.source() == item ? before : new EncodedItem(item));
+                Seen before = known.get(item.id());
+                same.add(before);
+                present.add(before != null && before.item().source() == item ? before.item() : new EncodedItem(item));
                 names.put(item.name(), item.id());
             }
         }
-        encoded = known;
+        items = present.toArray(EncodedItem[]::new);
+        seen = same.toArray(Seen[]::new);
+        sensed.clear();
         idByName = names;
         symbols = now;
     }
 
-    private void readItems(WorldSnapshot snapshot, TableSnapshot table) {
-        var items = new ArrayList<Seen>(encoded.size());
-        var all = new HashMap<ItemId, Seen>(2 * encoded.size());
-        if (rows.length < encoded.size()) {
-            rows = new int[2 * encoded.size()];
-        }
-        for (ItemSymbols item : symbols.values()) {
-            EncodedItem now = encoded.get(item.id());
-            if (now != null) {
-                int row = table.rowOf(item.id());
-                rows[items.size()] = row;
-                Seen before = seen.get(item.id());
-                Seen after = before != null && isSame(before, now, row) ? before
-                        : new Seen(now, row < 0 ? null : bodies.place(row), Shown.EVERYTHING, Map.of());
-                items.add(after);
-                all.put(item.id(), after);
+    private void findRows(TableSnapshot table) {
+        ids = table.ids().segment().toArray(ValueLayout.JAVA_LONG);
+        rows = new int[items.length];
+        places = new long[ids.length];
+        for (int i = 0; i < items.length; i++) {
+            rows[i] = table.rowOf(items[i].source().id());
+            if (rows[i] != NO_ROW) {
+                places[rows[i]] = i;
             }
         }
-        seen = all;
-        everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.copyOf(items));
+    }
+
+    private void readPlaces() {
+        for (int i = 0; i < items.length; i++) {
+            if (seen[i] == null || !isSame(seen[i], items[i], rows[i])) {
+                seen[i] = new Seen(items[i], rows[i] == NO_ROW ? null : bodies.place(rows[i]), Shown.EVERYTHING,
+                        Map.of());
+            }
+        }
     }
 
     private boolean isSame(Seen before, EncodedItem now, int row) {
         double[] place = before.place();
-        return before.item() == now && (row < 0 ? place == null : place != null && bodies.isAt(row, place));
+        return before.item() == now
+                && (row == NO_ROW ? place == null : place != null && bodies.isAt(row, place));
     }
 
     /** All there is. */
@@ -141,19 +184,54 @@ final class Observatory {
         return Optional.ofNullable(idByName.get(name));
     }
 
-    /** What one sensor of a body senses now, and the body itself. */
+    /** What one sensor of a body senses now, and the body itself, in the order of ids. */
     List<Seen> sense(Sensor sensor, ItemId body) {
-        int eye = row(body);
-        var sensed = new ArrayList<Seen>();
-        for (int i = 0; i < everything.items().size(); i++) {
-            Seen item = everything.items().get(i);
-            if (item.id().equals(body)) {
-                sensed.add(item);
-            } else if (senses(sensor, eye, rows[i])) {
-                sensed.add(new Seen(item.item(), item.place(), Shown.by(sensor), Map.of()));
+        int eye = everything.indexOf(body);
+        Seen[] shown = sensed.computeIfAbsent(Shown.by(sensor), unknown -> new Seen[items.length]);
+        var sensedNow = new ArrayList<Seen>();
+        if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited() || Double.isInfinite(sensor.range())) {
+            for (int i = 0; i < items.length; i++) {
+                add(sensedNow, sensor, eye, i, shown);
             }
+            return sensedNow;
         }
-        return sensed;
+        lookAround(sensor, rows[eye]);
+        boolean itself = false;
+        for (int k = 0; k < found.size(); k++) {
+            int i = (int) found.key(k);
+            if (i > eye && !itself) {
+                sensedNow.add(seen[eye]);
+                itself = true;
+            }
+            itself |= i == eye;
+            add(sensedNow, sensor, eye, i, shown);
+        }
+        if (!itself) {
+            sensedNow.add(seen[eye]);
+        }
+        return sensedNow;
+    }
+
+    private void add(List<Seen> sensedNow, Sensor sensor, int eye, int i, Seen[] shown) {
+        if (i == eye) {
+            sensedNow.add(seen[i]);
+        } else if (senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i])) {
+            Seen known = shown[i];
+            if (known == null || known.item() != seen[i].item() || known.place() != seen[i].place()) {
+                known = new Seen(seen[i].item(), seen[i].place(), Shown.by(sensor), Map.of());
+                shown[i] = known;
+            }
+            sensedNow.add(known);
+        }
+    }
+
+    /** Finds all that a sensor of limited range can sense, and perhaps more. */
+    private void lookAround(Sensor sensor, int eye) {
+        if (!indexed) {
+            bodies.buildIndex(index, MemorySegment.ofArray(places));
+            indexed = true;
+        }
+        bodies.find(index, eye, sensor, WIDER * sensor.range(), found);
     }
 
     /** Whether any of a body's sensors senses an item now. */
@@ -165,11 +243,11 @@ final class Observatory {
     }
 
     private boolean senses(Sensor sensor, int eye, int row) {
-        return sensor.isUnlimited() || eye >= 0 && row >= 0 && bodies.senses(sensor, eye, row);
+        return sensor.isUnlimited() || eye != NO_ROW && row != NO_ROW && bodies.senses(sensor, eye, row);
     }
 
     private int row(ItemId id) {
-        int index = everything.indexOf(id);
-        return index < 0 ? -1 : rows[index];
+        int place = everything.indexOf(id);
+        return place < 0 ? NO_ROW : rows[place];
     }
 }

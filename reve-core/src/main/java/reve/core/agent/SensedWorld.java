@@ -2,6 +2,9 @@ package reve.core.agent;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import reve.core.space.Box;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
 import reve.core.world.ColumnView;
 import reve.core.world.ScalarType;
 import reve.core.world.Sensor;
@@ -77,6 +80,22 @@ final class SensedWorld {
             }
         }
         return true;
+    }
+
+    /** Takes the boxes of all bodies into an index. @param keys of the rows, as longs */
+    void buildIndex(BoxIndex index, MemorySegment keys) {
+        index.build(keys, MemorySegment.ofArray(low), MemorySegment.ofArray(high), rows);
+    }
+
+    /** Finds the keys of all boxes that a sensor could reach with that range, seen from the body in a row. */
+    void find(BoxIndex index, int body, Sensor sensor, double range, Found found) {
+        int at = 3 * body;
+        if (sensor.touch()) {
+            index.inBox(new Box(low[at] - range, low[at + 1] - range, low[at + 2] - range, high[at] + range,
+                    high[at + 1] + range, high[at + 2] + range), found);
+        } else {
+            index.inSphere(position[at], position[at + 1], position[at + 2], range, found);
+        }
     }
 
     /** Whether a sensor of the body in one row senses the item in another. */

@@ -9,7 +9,6 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.TreeMap;
 import java.util.function.Function;
-import reve.core.agent.View.Seen;
 import reve.core.world.ItemId;
 import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;

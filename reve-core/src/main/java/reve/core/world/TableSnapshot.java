@@ -38,7 +38,8 @@ public final class TableSnapshot implements TableView {
         return physicsRowCount;
     }
 
-    ColumnSnapshot ids() {
+    /** (rows) ids of the items. */
+    public ColumnSnapshot ids() {
         return ids;
     }
 
