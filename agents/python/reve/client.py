@@ -389,6 +389,17 @@ class Control(Agent):
         """Lets a paused world go on."""
         return self._command("run")
 
+    def snapshot(self, image: str) -> Result:
+        """Keeps the world as it is under that name, for `rewind`; the result names the frame it is of."""
+        return self._command("snapshot", image=image)
+
+    def rewind(self, image: Optional[str] = None) -> Result:
+        """Goes back to a snapshot, or to where the world began, at once, even while it is paused.
+
+        The result names the frame that shows the world as it was. Streams of perceptions begin anew with it.
+        """
+        return self._command("rewind", **({} if image is None else {"image": image}))
+
     def edit(self, item: Union[str, Item], property: str, value: Argument) -> Result:
         """Sets a property such as `physics.velocity` or `semantic.class`, in its own unit."""
         target = item if isinstance(item, str) else item.name

@@ -162,8 +162,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Has a command of the role control done and waits for the outcome: pause, step, run, edit, load-law, unload-law,
-     * picture or shut-down, with the fields that the protocol's page lists.
+     * Has a command of the role control done and waits for the outcome: pause, step, run, snapshot, rewind, edit,
+     * load-law, unload-law, picture or shut-down, with the fields that the protocol's page lists.
      *
      * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map of Numbers
      */

@@ -23,6 +23,8 @@ sealed interface ClientMessage {
             case UnloadLaw unload -> "unload-law";
             case Edit edit -> "edit";
             case Picture picture -> "picture";
+            case Snapshot snapshot -> "snapshot";
+            case Rewind rewind -> "rewind";
             case ShutDown shutDown -> "shut-down";
             case Ping ping -> "ping";
             case Pong pong -> "pong";
@@ -84,6 +86,12 @@ sealed interface ClientMessage {
     record Edit(long id, String item, String property, Object value) implements Control {}
 
     record Picture(long id) implements Control {}
+
+    /** @param image the name under which the world is kept as it is now */
+    record Snapshot(long id, String image) implements Control {}
+
+    /** @param image the name under which the world was kept; without, its beginning */
+    record Rewind(long id, Optional<String> image) implements Control {}
 
     record ShutDown(long id) implements Control {}
 }

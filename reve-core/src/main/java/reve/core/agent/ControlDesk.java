@@ -14,6 +14,7 @@ final class ControlDesk {
     private final WorldPort port;
     private final Publisher publisher;
     private final Members members;
+    private final Images images;
     private final RateLimitedLog log;
     private final AtomicLong sequence = new AtomicLong();
 
@@ -21,6 +22,7 @@ final class ControlDesk {
         this.port = port;
         this.publisher = publisher;
         this.members = new Members(port.agents());
+        this.images = new Images(port, members);
         this.log = log;
     }
 
@@ -41,7 +43,9 @@ final class ControlDesk {
                 accept(session, run, port.loop().frame());
                 port.loop().resume();
             }
-            case ClientMessage.Step step -> accept(session, step, port.loop().resume(step.frames()));
+            case ClientMessage.Step step -> between(session, step, () -> port.loop().resume(step.frames()));
+            case ClientMessage.Snapshot snapshot -> between(session, snapshot, () -> images.keep(snapshot.image()));
+            case ClientMessage.Rewind rewind -> rewind(session, rewind);
             case ClientMessage.ShutDown shutDown -> {
                 accept(session, shutDown, port.loop().frame());
                 port.loop().stop();
@@ -64,6 +68,48 @@ final class ControlDesk {
             session.refuse(request, "world-busy", "the world has more to do than fits into a frame");
         }
         return taken;
+    }
+
+    // ---- between frames ----
+
+    /** Something done between frames. */
+    private interface Errand {
+        /** @return the frame that it took effect in */
+        long run() throws ActionRefused;
+    }
+
+    /** The answer is on its way before the next frame is made. */
+    private void between(Session session, ClientMessage.Request request, Errand errand) {
+        port.loop().betweenFrames(() -> {
+            Outcome outcome = outcome(errand);
+            publisher.later(() -> answer(session, request, outcome));
+        });
+    }
+
+    private Outcome outcome(Errand errand) {
+        try {
+            return new Outcome.Done(errand.run());
+        } catch (ActionRefused e) {
+            return refused(e, port.loop().frame());
+        } catch (RuntimeException e) {
+            return new Outcome.Failed(port.loop().frame(), e);
+        }
+    }
+
+    private void rewind(Session session, ClientMessage.Rewind rewind) {
+        try {
+            Optional<WorldControl.Image> beginning = rewind.image().isPresent() ? Optional.empty()
+                    : Optional.of(port.control().beginning());
+            between(session, rewind, () -> {
+                Rewound rewound = images.rewind(session.name(), rewind.image(), beginning);
+                publisher.later(() -> publisher.tellRewound(rewound));
+                return rewound.frame();
+            });
+        } catch (ActionRefused e) {
+            answer(session, rewind, refused(e, 0));
+        } catch (RuntimeException e) {
+            answer(session, rewind, new Outcome.Failed(0, e));
+        }
     }
 
     // ---- changes of the program's own ----

@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.TreeMap;
 import reve.core.file.AgentPolicy;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
@@ -73,6 +74,64 @@ public final class Members {
         }
     }
 
+    // ---- going back ----
+
+    /** The ids of the agents' bodies, by agent. */
+    Map<String, ItemId> bodies() {
+        var ids = new TreeMap<String, ItemId>();
+        bodies.forEach((agent, body) -> ids.put(agent, body.id()));
+        return ids;
+    }
+
+    /**
+     * The world has become one that it was. Who is in it now stays: with the body lent to it; or with the one that
+     * was made for it, as it was then, or made anew if there was none. Bodies of others who were there then go.
+     *
+     * @param then what {@link #bodies} were when the world was like this
+     * @return Joined for each who is there now, or Refused for those who cannot have a body any more and have left
+     */
+    Map<String, Outcome> rewound(World world, long frame, Map<String, ItemId> then) {
+        then.forEach((agent, id) -> {
+            Body now = bodies.get(agent);
+            if ((now == null || !now.made()) && isMade(world, id)) {
+                world.removeCascade(id);
+            }
+        });
+        var outcomes = new TreeMap<String, Outcome>();
+        for (String agent : List.copyOf(new TreeMap<>(bodies).keySet())) {
+            outcomes.put(agent, rewound(world, frame, agent, Optional.ofNullable(then.get(agent))));
+        }
+        return outcomes;
+    }
+
+    private Outcome rewound(World world, long frame, String agent, Optional<ItemId> then) {
+        Body before = bodies.get(agent);
+        try {
+            Body now = before.made() ? embody(world, agent, then) : before;
+            bodies.put(agent, now);
+            if (!now.id().equals(before.id())) {
+                raiseJoined(world, frame, agent, now);
+            }
+            return new Outcome.Joined(frame, now.name(), now.id(), now.sensors());
+        } catch (Ending e) {
+            bodies.remove(agent);
+            raiseLeft(world, frame, agent, before, "rewound");
+            return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
+        }
+    }
+
+    private Body embody(World world, String agent, Optional<ItemId> then) throws Ending {
+        Optional<Item> own = then.filter(id -> isMade(world, id)).flatMap(world::find);
+        if (own.isPresent()) {
+            return new Body(own.get().id(), own.get().name(), true, own.get().sensors());
+        }
+        return make(world, agent, policy.template().orElseThrow());
+    }
+
+    private boolean isMade(World world, ItemId id) {
+        return world.find(id).filter(item -> !policy.bodies().contains(item.name())).isPresent();
+    }
+
     // ---- acting ----
 
     private Outcome act(World world, long frame, AgentInput.Act act) throws ActionRefused {
@@ -131,7 +190,7 @@ public final class Members {
         }
         Body body = take(world, join.agent(), join.body());
         bodies.put(join.agent(), body);
-        world.raise(new WorldEvent(frame, "joined", fields("agent", join.agent(), "body", body.name())));
+        raiseJoined(world, frame, join.agent(), body);
         return new Outcome.Joined(frame, body.name(), body.id(), body.sensors());
     }
 
@@ -145,9 +204,16 @@ public final class Members {
         if (body.made() && body.in(world).isPresent()) {
             world.removeCascade(body.id());
         }
-        world.raise(new WorldEvent(frame, "left",
-                fields("agent", leave.agent(), "body", body.name(), "reason", leave.reason())));
+        raiseLeft(world, frame, leave.agent(), body, leave.reason());
         return new Outcome.Done(frame);
+    }
+
+    private static void raiseJoined(World world, long frame, String agent, Body body) {
+        world.raise(new WorldEvent(frame, "joined", fields("agent", agent, "body", body.name())));
+    }
+
+    private static void raiseLeft(World world, long frame, String agent, Body body, String reason) {
+        world.raise(new WorldEvent(frame, "left", fields("agent", agent, "body", body.name(), "reason", reason)));
     }
 
     /** The lent item that an agent asks for, else any free one, else a new item. */

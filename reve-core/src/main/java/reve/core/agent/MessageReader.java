@@ -22,6 +22,7 @@ final class MessageReader {
     private static final double MAX_SECONDS = 1e6;
     private static final long MAX_ID = (1L << 53) - 1;
     private static final int MAX_REASON = 200;
+    private static final int MAX_IMAGE_NAME = 64;
     private static final String EXAMPLE = "send one JSON object per line, such as "
             + "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}";
 
@@ -119,6 +120,8 @@ final class MessageReader {
             case "edit" -> new ClientMessage.Edit(fields.required(), fields.text("item"), fields.text("property"),
                     fields.value());
             case "picture" -> new ClientMessage.Picture(fields.required());
+            case "snapshot" -> new ClientMessage.Snapshot(fields.required(), fields.image());
+            case "rewind" -> new ClientMessage.Rewind(fields.required(), fields.optionalText("image"));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
@@ -126,7 +129,7 @@ final class MessageReader {
             default -> throw new BadMessage(fields.id, "unknown-type",
                     "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
                     "a client sends hello, perceive, act, ping, pong or bye; in the role control also pause, run, "
-                            + "step, load-law, unload-law, edit, picture or shut-down");
+                            + "step, load-law, unload-law, edit, picture, snapshot, rewind or shut-down");
         };
     }
 
@@ -205,6 +208,14 @@ final class MessageReader {
                 throw bad(id, name, "is " + show(field), "expected a text");
             }
             return Optional.of(field.stringValue());
+        }
+
+        String image() throws BadMessage {
+            String name = text("image");
+            if (name.length() > MAX_IMAGE_NAME) {
+                throw bad(id, "image", "has " + name.length() + " characters", "expected at most " + MAX_IMAGE_NAME);
+            }
+            return name;
         }
 
         boolean truth(String name) throws BadMessage {

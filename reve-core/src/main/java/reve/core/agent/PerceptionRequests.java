@@ -49,6 +49,12 @@ final class PerceptionRequests {
         onceRelations = perceive.relations();
     }
 
+    /** The world has become another one with that frame: the stream of perceptions begins anew. */
+    synchronized void restart(long frame) {
+        everyFrom = frame;
+        outbox.restart();
+    }
+
     /** Perceptions must not be older than a result that the agent has got. */
     synchronized void notBefore(long frame) {
         notBefore = Math.max(notBefore, frame);

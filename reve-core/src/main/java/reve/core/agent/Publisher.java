@@ -96,6 +96,14 @@ final class Publisher {
         members.add(session);
     }
 
+    /** The world has gone back: bodies may be others, and everybody who perceives begins anew. */
+    void tellRewound(Rewound rewound) {
+        for (Session member : members) {
+            Optional.ofNullable(rewound.bodies().get(member.name())).ifPresent(member::embodied);
+            member.perceptions().restart(rewound.frame());
+        }
+    }
+
     /** Tells what there is. */
     void tell() {
         news = false;

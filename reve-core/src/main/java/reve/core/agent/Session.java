@@ -109,13 +109,17 @@ final class Session {
 
     /** The agent has its body, or cannot have one. */
     void joined(Outcome outcome) {
+        embodied(outcome);
+        if (outcome instanceof Outcome.Joined joined) {
+            welcome(Optional.of(joined.body()), joined.frame());
+        }
+    }
+
+    /** The agent has a body, another one than before perhaps, or cannot have one. */
+    void embodied(Outcome outcome) {
         switch (outcome) {
-            case Outcome.Joined joined -> {
-                if (!joined.sensors().isEmpty()) {
-                    senses = new Senses(joined.id(), joined.sensors());
-                }
-                welcome(Optional.of(joined.body()), joined.frame());
-            }
+            case Outcome.Joined joined ->
+                    senses = joined.sensors().isEmpty() ? null : new Senses(joined.id(), joined.sensors());
             case Outcome.Refused no -> end(Ending.refused(no.code(), no.reason(), no.hint().orElse("")));
             case Outcome.Failed failed -> {
                 server.log().error(this + " could not join", failed.cause());

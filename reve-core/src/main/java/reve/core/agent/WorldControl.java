@@ -5,9 +5,9 @@ import reve.core.world.ActionRefused;
 import reve.core.world.World;
 
 /**
- * What the program that runs a world lets clients of the role control do, beside what every frame loop can. Each
- * method is called on a connection's thread and may take its time; the change that it returns is made on the
- * world's thread, in ACT.
+ * What the program that runs a world lets clients of the role control do, beside what every frame loop can. Unless
+ * it says otherwise, a method is called on a connection's thread and may take its time; the change that it returns is
+ * made on the world's thread, in ACT.
  */
 public interface WorldControl {
 
@@ -35,7 +35,26 @@ public interface WorldControl {
     /** Takes a picture of the frame. */
     Change picture() throws ActionRefused;
 
-    /** A program without laws or pictures. */
+    /** The world as it was, to go back to. */
+    interface Image extends AutoCloseable {
+        /**
+         * The world becomes as it was. World's thread, between frames.
+         *
+         * @return the next frame, which shows it so
+         */
+        long rewind();
+
+        @Override
+        void close();
+    }
+
+    /** The world as it was before anything happened; the program closes it. */
+    Image beginning() throws ActionRefused;
+
+    /** The world as it is now. World's thread, between frames; the caller closes it. */
+    Image keep() throws ActionRefused;
+
+    /** A program without laws, pictures or images. */
     static WorldControl none() {
         return NoControl.INSTANCE;
     }
@@ -57,6 +76,16 @@ public interface WorldControl {
         @Override
         public Change picture() throws ActionRefused {
             throw unsupported("pictures");
+        }
+
+        @Override
+        public Image beginning() throws ActionRefused {
+            throw unsupported("images");
+        }
+
+        @Override
+        public Image keep() throws ActionRefused {
+            throw unsupported("images");
         }
 
         private static ActionRefused unsupported(String what) {

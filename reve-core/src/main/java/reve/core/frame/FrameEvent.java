@@ -15,7 +15,10 @@ public final class FrameEvent {
         this.timing = timing;
     }
 
-    /** 1 for the first frame; 0 while the world as it was built is derived and published. */
+    /**
+     * 1 for the first frame; 0 while the world as it was built is derived and published. It never
+     * goes back, as time does when the world goes back to an image.
+     */
     public long frame() {
         return frame;
     }
@@ -26,7 +29,7 @@ public final class FrameEvent {
 
     /** Simulated time at the end of this frame [s]. */
     public double timeSeconds() {
-        return timing.timeSeconds(frame);
+        return timing.timeSeconds(world.age());
     }
 
     /** Length of one physics step [s]. */

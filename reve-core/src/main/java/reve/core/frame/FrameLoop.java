@@ -2,6 +2,8 @@ package reve.core.frame;
 
 import java.util.EnumMap;
 import java.util.Map;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicLongArray;
 import java.util.concurrent.locks.LockSupport;
@@ -13,7 +15,8 @@ import reve.core.world.World;
  * thereby owns the world.
  *
  * <p>Frame 0 is the world as it was built: before the first frame it is derived and published, so
- * that readers can see it. Frame n ends at n x steps x dt of simulated time.
+ * that readers can see it. A frame ends at a x steps x dt of simulated time, where a is the world's
+ * age in frames.
  */
 public final class FrameLoop {
 
@@ -39,6 +42,7 @@ public final class FrameLoop {
     private final AtomicLong lastAllowed = new AtomicLong(UNLIMITED);
     /** The last frame that was begun. */
     private final AtomicLong begunFrame = new AtomicLong();
+    private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
     private boolean begun;
     private boolean making;
     private volatile boolean stopped;
@@ -61,10 +65,16 @@ public final class FrameLoop {
     /** Makes one frame at once, without pacing. */
     public void step() {
         world.claim();
+        runErrands();
         begin();
+        make();
+    }
+
+    private void make() {
         long start = clock.nanoTime();
         long frame = frames.getPlain() + 1;
         begunFrame.set(frame);
+        world.beginFrame();
         dispatch(frame, FramePhase.INTAKE);
         dispatch(frame, FramePhase.ACT);
         world.forces().apply();
@@ -78,10 +88,10 @@ public final class FrameLoop {
     }
 
     /**
-     * The world has become that of another frame: the next to be made is the one after it, and
-     * before it this one is derived and published. World's thread, between frames.
+     * The world has become another one, as that frame shows it: the next to be made is the one
+     * after it, and before it this one is derived and published. World's thread, between frames.
      *
-     * @param frame 0 or more
+     * @param frame the last one made, or a later one
      * @throws IllegalStateException if a frame is being made
      */
     public void continueAfter(long frame) {
@@ -89,13 +99,26 @@ public final class FrameLoop {
             throw new IllegalStateException("frame " + (frame() + 1) + " is being made; continue "
                     + "after frame " + frame + " when it is done");
         }
-        if (frame < 0) {
-            throw new IllegalArgumentException("frame is " + frame + ", expected 0 or more");
+        if (frame < frame()) {
+            throw new IllegalArgumentException(
+                    "frame is " + frame + ", expected " + frame() + " or more: frames never go back");
         }
         frames.setRelease(frame);
         begunFrame.set(frame);
-        lastAllowed.updateAndGet(last -> last == UNLIMITED ? UNLIMITED : frame);
+        lastAllowed.updateAndGet(last -> Math.max(last, frame));
         begun = false;
+    }
+
+    /**
+     * Has something done between two frames, as soon as none is being made: at once while the loop
+     * is paused or waits. If the world is another one then, it is derived and published at once,
+     * too. Any thread.
+     *
+     * @param errand called on the world's thread; must not throw
+     */
+    public void betweenFrames(Runnable errand) {
+        errands.add(errand);
+        LockSupport.unpark(runner);
     }
 
     /**
@@ -110,7 +133,7 @@ public final class FrameLoop {
         try {
             pacer.start();
             for (long i = 0; i < count && mayBegin(); i++) {
-                step();
+                make();
                 pacer.frameDone();
                 awaitNextFrame();
             }
@@ -166,6 +189,11 @@ public final class FrameLoop {
         return lastAllowed.get() <= frame();
     }
 
+    /** The world whose frames these are; its owner is the thread that makes them. */
+    public World world() {
+        return world;
+    }
+
     /** Frames completed. Any thread. */
     public long frame() {
         return frames.getAcquire();
@@ -186,6 +214,17 @@ public final class FrameLoop {
             begun = true;
             dispatch(frame(), FramePhase.DERIVE);
             publish(frame());
+        }
+    }
+
+    /** Those that are there now: who sends more does not keep frames from being made. */
+    private void runErrands() {
+        if (errands.isEmpty()) {
+            return;
+        }
+        for (int waiting = errands.size(); waiting > 0; waiting--) {
+            errands.remove().run();
+            begin();
         }
     }
 
@@ -214,9 +253,11 @@ public final class FrameLoop {
     /** Waits while paused. @return false if no more frames are wanted */
     private boolean mayBegin() {
         boolean paused = false;
+        runErrands();
         while (isWanted() && !begin(frame() + 1)) {
             paused = true;
             clock.park(PAUSE_NANOSECONDS);
+            runErrands();
         }
         if (paused) {
             pacer.start();
@@ -245,6 +286,7 @@ public final class FrameLoop {
         long wait = pacer.nanosecondsToWait();
         while (wait > 0 && isWanted()) {
             clock.park(wait);
+            runErrands();
             wait = pacer.nanosecondsToWait();
         }
     }

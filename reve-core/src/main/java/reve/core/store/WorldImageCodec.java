@@ -84,12 +84,14 @@ public final class WorldImageCodec {
             readTable(tables.get(i), sections, into.tables().get(i));
         }
         into.setSymbolic(Trees.integer(world, "frame"), Trees.integer(world, "lastId"), items);
+        into.setAge(Trees.integer(world, "age"));
         into.setForces(Trees.list(world, "forces").stream().map(WorldImageCodec::force).toList());
     }
 
     private static Map<String, Object> world(WorldImage image) {
         Map<String, Object> world = new LinkedHashMap<>();
         world.put("frame", image.frame());
+        world.put("age", image.age());
         world.put("lastId", image.lastId());
         world.put("forces", image.forces().stream().map(force -> List.of(
                 force.item().value(), force.newtons(), force.frames())).toList());

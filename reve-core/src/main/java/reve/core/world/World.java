@@ -50,6 +50,7 @@ public final class World {
     private @Nullable String lockedBy;
     private @Nullable String inspectedBy;
     private long layoutVersion;
+    private long age;
 
     /**
      * An empty world but for the item {@code world}, whose physics aspect holds the world's
@@ -81,6 +82,18 @@ public final class World {
 
     public WorldPrototype prototype() {
         return prototype;
+    }
+
+    /** Frames of simulated time that the world has behind it; with an older image they come back. */
+    public long age() {
+        checkOwner();
+        return age;
+    }
+
+    /** Time goes on by a frame; told by who makes frames. */
+    public void beginFrame() {
+        checkOwner();
+        age++;
     }
 
     /** Adds one item; see {@link #addAll}. */
@@ -294,6 +307,7 @@ public final class World {
         references.countAll();
         hierarchy.restore(register.items());
         boundsVersion++;
+        age = image.age();
         changes.add(new WorldChange.Restored(image.frame()));
         layoutVersion++;
     }

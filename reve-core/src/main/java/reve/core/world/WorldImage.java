@@ -8,7 +8,7 @@ import org.pcollections.TreePMap;
 
 /**
  * Everything a world is at the end of a frame: all columns, which item is in which row, what is
- * symbolic, and the last id given out. A world that takes it over with {@link World#restore} goes
+ * symbolic, its age, and the last id given out. A world that takes it over with {@link World#restore} goes
  * on with the same bits. Its memory is its own, so it may be kept for as long as it is wanted, and
  * filled again and again. One thread at a time.
  */
@@ -21,6 +21,7 @@ public final class WorldImage implements AutoCloseable {
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private List<Forces.Force> forces = List.of();
     private long frame;
+    private long age;
     private long lastId;
 
     /** Room for a world of a prototype; nothing in it yet. World's thread. */
@@ -36,6 +37,7 @@ public final class WorldImage implements AutoCloseable {
             tables.get(i).copyFrom(world.tables().get(i));
         }
         setSymbolic(atFrame, world.lastId(), world.symbols());
+        setAge(world.age());
         setForces(world.forces().active());
     }
 
@@ -45,6 +47,11 @@ public final class WorldImage implements AutoCloseable {
         frame = atFrame;
         lastId = lastItemId;
         symbols = itemSymbols;
+    }
+
+    /** How old the world was; for whoever fills the tables from elsewhere. */
+    public void setAge(long frames) {
+        age = frames;
     }
 
     /** Forces that have not ended; for whoever fills the tables from elsewhere. */
@@ -60,6 +67,11 @@ public final class WorldImage implements AutoCloseable {
     /** The frame at whose end the world was like this. */
     public long frame() {
         return frame;
+    }
+
+    /** Frames of simulated time that the world had behind it. */
+    public long age() {
+        return age;
     }
 
     /** The highest id that was ever given to an item. */

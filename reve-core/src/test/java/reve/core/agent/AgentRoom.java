@@ -67,7 +67,7 @@ final class AgentRoom implements AutoCloseable {
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
         loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
         server = AgentServer.start(config, new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
-                WorldControl.none()));
+                new RoomControl(world, loop)));
     }
 
     static AgentPolicy lending(String... bodies) {

@@ -182,6 +182,8 @@ class MessagesTest {
             case ClientMessage.UnloadLaw unload -> json.put("library", unload.library());
             case ClientMessage.Edit edit -> json.put("item", edit.item()).put("property", edit.property())
                     .set("value", JSON.valueToTree(edit.value()));
+            case ClientMessage.Snapshot snapshot -> json.put("image", snapshot.image());
+            case ClientMessage.Rewind rewind -> rewind.image().ifPresent(image -> json.put("image", image));
             case ClientMessage.Pause pause -> { }
             case ClientMessage.Run run -> { }
             case ClientMessage.Picture picture -> { }

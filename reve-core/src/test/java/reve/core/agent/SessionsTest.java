@@ -75,6 +75,8 @@ class SessionsTest {
         "agent | {'t':'unload-law','id':1,'library':'x'} | control",
         "agent | {'t':'edit','id':1,'item':'duck','property':'physics.mass','value':3} | control",
         "agent | {'t':'picture','id':1} | control",
+        "agent | {'t':'snapshot','id':1,'image':'x'} | control",
+        "agent | {'t':'rewind','id':1} | control",
         "agent | {'t':'shut-down','id':1} | control",
     })
     void aRoleMaySayOnlyWhatIsItsOwn(String role, String message, String needed) throws IOException {

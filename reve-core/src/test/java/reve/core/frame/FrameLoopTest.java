@@ -9,6 +9,7 @@ import java.util.List;
 import org.junit.jupiter.api.Test;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
+import reve.core.world.WorldImage;
 import reve.core.world.WorldPrototype;
 
 class FrameLoopTest {
@@ -49,7 +50,7 @@ class FrameLoopTest {
     }
 
     @Test
-    void timeIsAProductOfTheFrameNumber() {
+    void timeIsAProductOfTheNumberOfFrames() {
         var timing = new Timing(60, 4);
         assertThat(timing.dtSeconds()).isEqualTo(1.0 / 240);
         assertThat(timing.timeSeconds(300)).isEqualTo(1200 * (1.0 / 240));
@@ -134,10 +135,11 @@ class FrameLoopTest {
         loop.run(2);
         loop.continueAfter(40);
         loop.run(1);
-        assertThat(published).containsExactly("0 at 0.0", "1 at 0.1", "2 at 0.2", "40 at 4.0",
-                "41 at 4.1000000000000005");
+        assertThat(published).containsExactly("0 at 0.0", "1 at 0.1", "2 at 0.2", "40 at 0.2",
+                "41 at 0.30000000000000004");
         assertThat(loop.frame()).isEqualTo(41);
-        assertThatIllegalArgumentException().isThrownBy(() -> loop.continueAfter(-1));
+        assertThatIllegalArgumentException().isThrownBy(() -> loop.continueAfter(40))
+                .withMessageContaining("frames never go back");
     }
 
     @Test
@@ -149,6 +151,67 @@ class FrameLoopTest {
         loop.run(1);
         assertThat(refusals).singleElement().isInstanceOf(IllegalStateException.class);
         assertThat(loop.frame()).isEqualTo(1);
+    }
+
+    @Test
+    void timeGoesBackWithTheWorldButFramesDoNot() {
+        List<String> published = new ArrayList<>();
+        bus.subscribe(FramePhase.PUBLISH, "notes",
+                event -> published.add(event.frame() + " at " + event.timeSeconds()));
+        FrameLoop loop = loop(new Timing(10, 1), Pacing.FAST);
+        loop.run(1);
+        try (WorldImage image = new WorldImage(world)) {
+            image.copyFrom(world, loop.frame());
+            loop.run(2);
+            loop.continueAfter(4);
+            world.restore(image);
+            loop.run(1);
+        }
+        assertThat(published).containsExactly("0 at 0.0", "1 at 0.1", "2 at 0.2",
+                "3 at 0.30000000000000004", "4 at 0.1", "5 at 0.2");
+    }
+
+    @Test
+    void anErrandIsRunBetweenFramesAtOnceWhileTheLoopWaitsOrIsPaused() {
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        noteStarts();
+        List<String> done = new ArrayList<>();
+        clock.divisor = 2;
+        clock.onPark = () -> {
+            clock.onPark = () -> { };
+            loop.betweenFrames(() -> {
+                done.add("waiting after " + loop.frame());
+                loop.pause();
+            });
+            clock.divisor = 1;
+            clock.onPark = () -> {
+                if (loop.isPaused()) {
+                    clock.onPark = () -> { };
+                    loop.betweenFrames(() -> {
+                        done.add("paused after " + loop.frame());
+                        loop.resume();
+                    });
+                }
+            };
+        };
+        loop.run(3);
+        assertThat(done).containsExactly("waiting after 1", "paused after 1");
+        assertThat(loop.frame()).isEqualTo(3);
+    }
+
+    @Test
+    void aWorldThatAnErrandChangedIsPublishedThoughTheLoopIsPaused() {
+        List<Long> published = new ArrayList<>();
+        bus.subscribe(FramePhase.PUBLISH, "notes", event -> published.add(event.frame()));
+        FrameLoop loop = loop(new Timing(100, 1), Pacing.REAL_TIME);
+        loop.pause();
+        clock.onPark = () -> {
+            clock.onPark = loop::stop;
+            loop.betweenFrames(() -> loop.continueAfter(1));
+        };
+        loop.run(10);
+        assertThat(published).containsExactly(0L, 1L);
+        assertThat(loop.isPaused()).isTrue();
     }
 
     @Test

@@ -170,7 +170,7 @@ public final class Replay implements AutoCloseable {
             if (simulation == null) {
                 begin(stored.header(), image);
             } else {
-                simulation.rewind(image);
+                simulation.goOnFrom(image);
             }
         }
         members = stored.members();

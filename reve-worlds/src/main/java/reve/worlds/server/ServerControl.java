@@ -2,20 +2,23 @@ package reve.worlds.server;
 
 import java.util.Map;
 import java.util.regex.Pattern;
+import org.jspecify.annotations.Nullable;
 import reve.core.agent.WorldControl;
 import reve.core.world.ActionRefused;
 import reve.core.world.World;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
+import reve.worlds.journal.SimulationImage;
 
-/** What a server lets operators do over the network: laws by name, pictures. */
-final class ServerControl implements WorldControl {
+/** What a server lets operators do over the network: laws by name, pictures, going back. */
+final class ServerControl implements WorldControl, AutoCloseable {
     /** Never a path: who may control the world may not choose which files it runs. */
     private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}");
 
     private final Simulation simulation;
     private final Pictures pictures;
+    private @Nullable SimulationImage beginning;
 
     ServerControl(Simulation simulation, Pictures pictures) {
         this.simulation = simulation;
@@ -49,6 +52,49 @@ final class ServerControl implements WorldControl {
     @Override
     public Change picture() {
         return (world, frame) -> pictures.takeNext();
+    }
+
+    @Override
+    public synchronized Image beginning() {
+        if (beginning == null) {
+            beginning = Simulation.beginning(simulation.description());
+        }
+        return new Kept(beginning);
+    }
+
+    @Override
+    public Image keep() throws ActionRefused {
+        try {
+            return new Kept(simulation.keep());
+        } catch (IllegalStateException full) {
+            throw new ActionRefused("too-many-images", String.valueOf(full.getMessage()));
+        }
+    }
+
+    @Override
+    public synchronized void close() {
+        if (beginning != null) {
+            beginning.close();
+        }
+    }
+
+    /** An image of this simulation. */
+    private final class Kept implements Image {
+        private final SimulationImage image;
+
+        Kept(SimulationImage image) {
+            this.image = image;
+        }
+
+        @Override
+        public long rewind() {
+            return simulation.rewind(image);
+        }
+
+        @Override
+        public void close() {
+            image.close();
+        }
     }
 
     private static ActionRefused refusal(PhysicsException refused) {

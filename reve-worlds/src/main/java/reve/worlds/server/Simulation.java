@@ -94,7 +94,7 @@ public final class Simulation implements AutoCloseable {
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
             loop = new FrameLoop(world, bus, description.timing(), pacing);
-            image.ifPresentOrElse(this::restore, () -> description.laws().forEach(this::load));
+            image.ifPresentOrElse(this::goOnFrom, () -> description.laws().forEach(this::load));
         } catch (RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -208,14 +208,33 @@ public final class Simulation implements AutoCloseable {
     }
 
     /**
-     * Goes back to an image: frame number, time, items and laws are as they were, and what happens
-     * from there is, to the bit, what happened then if nobody interferes. What is said and
-     * perceived of the frames after it is not taken back. World's thread, between frames.
+     * Goes back to an image: time, items and laws are as they were, and what happens from there is,
+     * to the bit, what happened then if nobody interferes. Frames are counted on: the next one shows
+     * the world as the image has it. What is said and perceived of the frames before it is not taken
+     * back. World's thread, between frames.
      *
+     * @return the number of that frame
      * @throws IllegalStateException if a frame is being made
      */
-    public void rewind(SimulationImage image) {
-        restore(image);
+    public long rewind(SimulationImage image) {
+        long frame = loop.frame() + 1;
+        restore(image, frame);
+        return frame;
+    }
+
+    /** Goes on after the frame of an image, which is none before this one. World's thread. */
+    void goOnFrom(SimulationImage image) {
+        restore(image, image.frame());
+    }
+
+    /** The world as its description has it, before anything happened. Any thread; close it. */
+    public static SimulationImage beginning(WorldDescription description) {
+        try (Simulation begun = new Simulation(description, Pacing.FAST)) {
+            begun.loop().run(0);
+            SimulationImage image = new SimulationImage(begun.world());
+            image.copyFrom(begun.world(), begun.physics(), 0);
+            return image;
+        }
     }
 
     /**
@@ -240,10 +259,10 @@ public final class Simulation implements AutoCloseable {
         return new Journal(header, world, physics, bus, members, plan, sink, problems);
     }
 
-    private void restore(SimulationImage image) {
-        loop.continueAfter(image.frame());
+    private void restore(SimulationImage image, long frame) {
+        loop.continueAfter(frame);
         world.restore(image.world());
-        physics.restore(image.frame(), image.physics());
+        physics.restore(frame, image.physics());
     }
 
     /** Calls a listener in PUBLISH of each frame, when its snapshot can be acquired. */

@@ -62,7 +62,7 @@ public final class WorldServer implements AutoCloseable {
             agents = closing.add(AgentServer.start(config, new WorldPort(description.name(),
                     description.timing().framesPerSecond(), description.agents(), simulation.bus(),
                     simulation.commands(), simulation.snapshots(), simulation.loop(),
-                    new ServerControl(simulation, pictures))));
+                    closing.add(new ServerControl(simulation, pictures)))));
             keepJournals(pacing == Pacing.FAST);
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);

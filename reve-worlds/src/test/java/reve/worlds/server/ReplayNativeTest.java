@@ -76,7 +76,7 @@ class ReplayNativeTest {
         }
         try (Replay replay = replay(log); Simulation again = replay.release()) {
             assertThat(replay.divergence()).isEmpty();
-            assertThat(again.loop().frame()).isEqualTo(50);
+            assertThat(again.loop().frame()).isEqualTo(71);
             assertThat(again.physics().stateHash()).isEqualTo(hash);
         }
     }

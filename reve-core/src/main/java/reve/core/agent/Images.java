@@ -1,0 +1,67 @@
+package reve.core.agent;
+
+import java.util.LinkedHashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.TreeMap;
+import reve.core.world.ActionRefused;
+import reve.core.world.ItemId;
+import reve.core.world.World;
+import reve.core.world.WorldEvent;
+
+/** What clients of the role control keep of a world by name, to go back to. World's thread, between frames. */
+final class Images {
+
+    private final WorldPort port;
+    private final Members members;
+    private final Map<String, Kept> kept = new TreeMap<>();
+
+    /** @param bodies of the agents that were in the world */
+    private record Kept(WorldControl.Image image, Map<String, ItemId> bodies) {}
+
+    Images(WorldPort port, Members members) {
+        this.port = port;
+        this.members = members;
+    }
+
+    /**
+     * Keeps the world as it is, in place of what was kept under that name.
+     *
+     * @return the frame at whose end it is like this
+     */
+    long keep(String name) throws ActionRefused {
+        Kept before = kept.remove(name);
+        if (before != null) {
+            before.image.close();
+        }
+        kept.put(name, new Kept(port.control().keep(), members.bodies()));
+        return port.loop().frame();
+    }
+
+    /**
+     * Goes back.
+     *
+     * @param agent who wants it
+     * @param name of what was kept, or none and where the world began
+     */
+    Rewound rewind(String agent, Optional<String> name, Optional<WorldControl.Image> beginning)
+            throws ActionRefused {
+        Kept target = name.isPresent() ? find(name.get()) : new Kept(beginning.orElseThrow(), Map.of());
+        long frame = target.image.rewind();
+        World world = port.loop().world();
+        var fields = new LinkedHashMap<String, Object>();
+        fields.put("agent", agent);
+        name.ifPresent(image -> fields.put("image", image));
+        world.raise(new WorldEvent(frame, "rewound", fields));
+        return new Rewound(frame, members.rewound(world, frame, target.bodies));
+    }
+
+    private Kept find(String name) throws ActionRefused {
+        Kept found = kept.get(name);
+        if (found == null) {
+            throw new ActionRefused("no-such-image", "no image is called " + Text.quote(name)
+                    + (kept.isEmpty() ? "; none is kept" : "; kept are " + kept.keySet()));
+        }
+        return found;
+    }
+}

@@ -1,0 +1,11 @@
+package reve.core.agent;
+
+import java.util.Map;
+
+/**
+ * The world has gone back.
+ *
+ * @param frame that shows it
+ * @param bodies what became of the bodies of those who are in the world, by agent
+ */
+record Rewound(long frame, Map<String, Outcome> bodies) {}

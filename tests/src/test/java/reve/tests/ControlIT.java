@@ -1,0 +1,243 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.within;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.CompletionException;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.agent.ActResult;
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.agent.Perception;
+import reve.core.agent.AgentServerConfig;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.worlds.journal.RunLog;
+import reve.worlds.journal.SqliteStore;
+import reve.worlds.server.Persistence;
+import reve.worlds.server.Pictures;
+import reve.worlds.server.Replay;
+import reve.worlds.server.ServerReport;
+import reve.worlds.server.Simulation;
+import reve.worlds.server.WorldServer;
+
+/** What the role control does to a world with a real engine, over the protocol. */
+class ControlIT {
+    private static final Path WORLD = Project.WORLDS.resolve("spring-orbit");
+    private static final double GRAVITY = -1.62;
+    private static final int RATE = 60;
+
+    private final Path folder;
+    private WorldDescription description;
+    private Optional<Path> recording = Optional.empty();
+    private Optional<Path> store = Optional.empty();
+    private List<Event> events = new ArrayList<>();
+
+    private record Event(String type, Map<String, Object> fields) {}
+
+    /** What an operator does. */
+    private interface Script {
+        void run(AgentClient boss) throws Exception;
+    }
+
+    ControlIT(@TempDir Path folder) {
+        this.folder = folder;
+    }
+
+    @BeforeEach
+    void read() throws Exception {
+        description = WorldFile.load(WORLD.resolve("world.yaml"));
+    }
+
+    @Test
+    void aLawThatIsLoadedActsFromThenOnUntilItIsUnloaded() throws Exception {
+        serve(boss -> {
+            accepted(boss, "pause", Map.of());
+            long start = accepted(boss, "rewind", Map.of());
+            double free = heightAt(boss, start + 2 * RATE);
+            start = accepted(boss, "rewind", Map.of());
+            long loaded = whileItRuns(boss, "load-law", Map.of("library", "gravity_field"));
+            heightAt(boss, start + RATE);
+            long unloaded = whileItRuns(boss, "unload-law", Map.of("library", "gravity_field"));
+            double pulled = heightAt(boss, start + 2 * RATE) - free;
+            double seconds = (unloaded - loaded) / (double) RATE;
+            double coasting = (start + 2 * RATE - unloaded + 1) / (double) RATE;
+            assertThat(pulled).isCloseTo(GRAVITY * seconds * (0.5 * seconds + coasting), within(0.02));
+        });
+        assertThat(events).extracting(Event::type).contains("law-loaded", "law-unloaded", "rewound");
+    }
+
+    @Test
+    void aLawThatIsNotThereIsRefusedAndNothingElseHappens() throws Exception {
+        serve(boss -> {
+            ActResult refused = boss.command("load-law", Map.of("library", "perpetual_motion"));
+            assertThat(refused.code()).contains("law-refused");
+            assertThat(refused.reason().orElseThrow()).contains("perpetual_motion");
+            assertThat(boss.command("load-law", Map.of("library", "../../etc/passwd")).code())
+                    .contains("law-refused");
+        });
+    }
+
+    @Test
+    void aPictureIsTakenOfTheFrameThatItsResultNames() throws Exception {
+        long frame = serve(boss -> assertThat(accepted(boss, "picture", Map.of())).isPositive())
+                .run().frames();
+        Event taken = events.stream().filter(event -> event.type().equals("snapshot")).findFirst()
+                .orElseThrow();
+        Path file = Path.of((String) taken.fields().get("file"));
+        assertThat((Long) taken.fields().get("frame")).isBetween(1L, frame);
+        assertThat(Files.readAllBytes(file)).startsWith(0x89, 'P', 'N', 'G');
+    }
+
+    @Test
+    void whatFollowsARewindIsToTheBitWhatFollowsTheBeginning() throws Exception {
+        long hash;
+        try (Simulation fresh = new Simulation(description, Pacing.FAST)) {
+            fresh.loop().run(2 * RATE);
+            hash = fresh.physics().stateHash();
+        }
+        ServerReport report = serve(boss -> {
+            accepted(boss, "pause", Map.of());
+            accepted(boss, "rewind", Map.of());
+            Perception first = after(boss, RATE);
+            accepted(boss, "snapshot", Map.of("image", "second"));
+            whileItRuns(boss, "edit", Map.of("item", "blue", "property", "physics.velocity",
+                    "value", new double[] {0, 9, 0}));
+            whileItRuns(boss, "load-law", Map.of("library", "gravity_field"));
+            after(boss, 5);
+            long frame = accepted(boss, "rewind", Map.of("image", "second"));
+            Perception again = until(boss, frame);
+            assertThat(again.time()).isEqualTo(first.time());
+            assertThat(again.items()).isEqualTo(first.items());
+            after(boss, RATE);
+        });
+        assertThat(report.run().stateHash()).isEqualTo(hash);
+    }
+
+    @Test
+    void aRecordingOfARunThatWasRewoundIsReplayedIdentically() throws Exception {
+        recording = Optional.of(folder.resolve("run.log"));
+        ServerReport report = serve(this::wander);
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+                RunLog.Reader records = RunLog.open(recording.get())) {
+            while (records.hasNext() && replay.take(records.next())) {
+                // each record is made as it is read
+            }
+            assertThat(replay.divergence()).isEmpty();
+            try (Simulation again = replay.release()) {
+                assertThat(again.loop().frame()).isEqualTo(report.run().frames());
+                assertThat(again.physics().stateHash()).isEqualTo(report.run().stateHash());
+            }
+        }
+    }
+
+    @Test
+    void aStoredWorldThatWasRewoundGoesOnAsItWasLeft() throws Exception {
+        store = Optional.of(folder.resolve("world.db"));
+        ServerReport report = serve(this::wander);
+        events = new ArrayList<>();
+        serve(boss -> { });
+        Event ready = events.stream().filter(event -> event.type().equals("ready")).findFirst()
+                .orElseThrow();
+        assertThat(ready.fields()).containsEntry("frame", report.run().frames())
+                .containsEntry("stateHash", "%016x".formatted(report.run().stateHash()));
+        assertThat(events).extracting(Event::type).doesNotContain("fault");
+    }
+
+    /** Goes to and fro, with an agent that comes after what is gone back to. */
+    private void wander(AgentClient boss) throws Exception {
+        after(boss, 7);
+        accepted(boss, "snapshot", Map.of("image", "early"));
+        accepted(boss, "run", Map.of());
+        try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
+            for (int i = 0; i < 3; i++) {
+                assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, i))).accepted())
+                        .isTrue();
+                accepted(boss, "rewind", Map.of("image", "early"));
+                accepted(boss, "edit", Map.of("item", "blue", "property", "physics.velocity",
+                        "value", new double[] {0, i, 0}));
+            }
+            accepted(boss, "rewind", Map.of());
+            assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 1))).accepted()).isTrue();
+        }
+        accepted(boss, "load-law", Map.of("library", "gravity_field"));
+        after(boss, 5);
+    }
+
+    // ---- helpers ----
+
+    private int port;
+
+    /** Serves the world on this thread while an operator works on another. */
+    private ServerReport serve(Script script) throws Exception {
+        try (WorldServer server = new WorldServer(description, Pacing.REAL_TIME,
+                AgentServerConfig.onPort(0), Optional.empty(), new Persistence(WORLD, recording,
+                store, 10, SqliteStore.Durability.NORMAL), new Pictures(folder, List.of()),
+                (type, fields) -> note(new Event(type, fields)))) {
+            server.start();
+            port = server.port();
+            CompletableFuture<Void> operator = CompletableFuture.runAsync(() -> {
+                try (AgentClient boss = AgentClient.connect("127.0.0.1", port,
+                        Join.as("boss").withRole("control"))) {
+                    boss.perceiveEvery(1);
+                    script.run(boss);
+                    boss.command("pause", Map.of());
+                } catch (Exception e) {
+                    throw new CompletionException(e);
+                } finally {
+                    server.stop();
+                }
+            });
+            ServerReport report = server.run(Long.MAX_VALUE);
+            operator.join();
+            return report;
+        }
+    }
+
+    private synchronized void note(Event event) {
+        events.add(event);
+    }
+
+    private static long accepted(AgentClient boss, String command, Map<String, ?> fields) {
+        ActResult result = boss.command(command, fields);
+        assertThat(result.accepted()).as("%s %s: %s", command, fields, result).isTrue();
+        return result.frame().orElseThrow();
+    }
+
+    /** Has a command done that takes a frame, in a world that is paused. */
+    private static long whileItRuns(AgentClient boss, String command, Map<String, ?> fields) {
+        accepted(boss, "run", Map.of());
+        long frame = accepted(boss, command, fields);
+        accepted(boss, "pause", Map.of());
+        return frame;
+    }
+
+    /** What is perceived of the last of so many frames that a world is let make. */
+    private static Perception after(AgentClient boss, int frames) {
+        return until(boss, accepted(boss, "step", Map.of("frames", frames)));
+    }
+
+    private static Perception until(AgentClient boss, long frame) {
+        Perception seen = boss.nextPerception();
+        while (seen.frame() < frame) {
+            seen = boss.nextPerception();
+        }
+        return seen;
+    }
+
+    /** Of the red ball in a later frame of a paused world [m]. */
+    private static double heightAt(AgentClient boss, long frame) {
+        long now = accepted(boss, "pause", Map.of());
+        return after(boss, (int) (frame - now)).find("red").orElseThrow().location().orElseThrow().y();
+    }
+}
