@@ -12,6 +12,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.atomic.AtomicLong;
+import java.util.stream.Stream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.ActResult;
@@ -98,6 +99,31 @@ class StoreIT {
         Outcome replay = Reve.run("replay", log.toString());
         assertThat(replay.code()).as(replay.out() + replay.err()).isZero();
         assertThat(replay.out()).contains("identical: 240 frames", "state hash: " + hash);
+    }
+
+    @Test
+    void aKilledServerLeavesNothingBehindButItsStore() throws Exception {
+        Path temporary = Files.createDirectory(folder.resolve("temporary"));
+        Path errors = folder.resolve("server.err");
+        ProcessBuilder builder = new ProcessBuilder(Reve.command("serve", WORLD, "--port", "0",
+                "--json", "--store", folder.resolve("my.db").toString()))
+                .redirectError(errors.toFile());
+        builder.environment().put("TMPDIR", temporary.toString());
+        builder.environment().put("JDK_JAVA_OPTIONS", "-Djava.io.tmpdir=" + temporary);
+        Process process = builder.start();
+        try (Server server = new Server(process,
+                new Server.Events(process.inputReader(), errors))) {
+            try (AgentClient agent = AgentClient.connect("127.0.0.1",
+                    Integer.parseInt(server.port()), "ada")) {
+                act(agent, new Random(SEED));
+            }
+            server.process().destroyForcibly().onExit().join();
+        }
+        assertThat(temporary).isEmptyDirectory();
+        try (Stream<Path> left = Files.list(folder)) {
+            assertThat(left.map(file -> file.getFileName().toString()))
+                    .containsOnly("temporary", "server.err", "my.db", "my.db-wal", "my.db-frames-1");
+        }
     }
 
     @Test

@@ -16,6 +16,7 @@ import java.util.function.Consumer;
 import java.util.zip.CRC32C;
 import org.sqlite.SQLiteConfig;
 import reve.core.store.CorruptException;
+import reve.worlds.Product;
 
 /**
  * A durable store of one world: an SQLite database in write-ahead-log mode with the last three
@@ -31,6 +32,15 @@ public final class SqliteStore implements JournalSink {
             CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB NOT NULL);
             CREATE TABLE image (frames_file INTEGER PRIMARY KEY, frame INTEGER NOT NULL,
                 bytes BLOB NOT NULL, crc32c INTEGER NOT NULL)""";
+
+    /** Where SQLite's own code is looked for, before it is unpacked into a temporary file. */
+    private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
+
+    static {
+        if (System.getProperty(LIBRARY_FOLDER) == null) {
+            System.setProperty(LIBRARY_FOLDER, Product.nativeFolder().toAbsolutePath().toString());
+        }
+    }
 
     private final Path file;
     private final Durability durability;
