@@ -2,6 +2,7 @@ package reve.core.store;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import java.util.Arrays;
 import java.util.Base64;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -12,6 +13,7 @@ import reve.core.mesh.Assets;
 import reve.core.world.Action;
 import reve.core.world.Colour;
 import reve.core.world.Column;
+import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
@@ -52,6 +54,8 @@ public final class ChangeCodec {
                     numbers(attached.to().pose()));
             case WorldChange.Detached detached -> tree("detach", detached.item().value());
             case WorldChange.Edited edited -> edited(edited);
+            case WorldChange.Pushed pushed -> tree("push", pushed.force().item().value(),
+                    "newtons", pushed.force().newtons(), "frames", pushed.force().frames());
             case WorldChange.ColumnEdited column -> tree("column", column.property(),
                     "kind", column.kind(), "rows", columnRows == null ? ""
                             : Base64.getEncoder().encodeToString(columnRows));
@@ -92,6 +96,10 @@ public final class ChangeCodec {
             world.detach(id(change, "detach"));
         } else if (change.has("edit")) {
             edit(world.item(id(change, "edit")), change);
+        } else if (change.has("push")) {
+            world.forces().add(new Forces.Force(id(change, "push"),
+                    Arrays.stream(Trees.numbers(Trees.field(change, "newtons"))).boxed().toList(),
+                    Trees.integer(change, "frames")));
         } else {
             writeColumn(world, change);
         }

@@ -49,6 +49,7 @@ public final class Forces {
     public void add(Force force) {
         world.requireEditable();
         active.add(force);
+        world.note(new WorldChange.Pushed(force));
     }
 
     /** Forces that have not ended, in the order added: what an image of the world has to keep. */

@@ -56,6 +56,9 @@ public sealed interface WorldChange {
     record Edited(ItemId item, Aspect aspect, String property, @Nullable Object from,
             @Nullable Object to) implements WorldChange {}
 
+    /** A force acts on an item from now on, for some frames. */
+    record Pushed(Forces.Force force) implements WorldChange {}
+
     /**
      * Numbers of any rows were written to a column directly, through {@link Column}. Told once a
      * frame; what they are now the column says.

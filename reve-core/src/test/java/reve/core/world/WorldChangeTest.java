@@ -52,6 +52,13 @@ class WorldChangeTest {
     }
 
     @Test
+    void tellsForces() {
+        var force = new Forces.Force(ball.id(), List.of(1.0, 2.0, 3.0), 4);
+        world.forces().add(force);
+        assertThat(world.changes()).containsExactly(new WorldChange.Pushed(force));
+    }
+
+    @Test
     void tellsEditsOfEveryAspectWithOldAndNewValue() {
         Action push = action("push");
         Action harder = action("push");

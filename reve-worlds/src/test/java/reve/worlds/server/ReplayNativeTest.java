@@ -20,6 +20,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
+import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Shape;
@@ -274,7 +275,7 @@ class ReplayNativeTest {
         return replay;
     }
 
-    /** Pushes, adds, removes, attaches, renames, and loads and unloads a law, at random. */
+    /** Sets, pushes, adds, removes, attaches, renames, and loads and unloads a law, at random. */
     private void interfere(Simulation simulation, int frame) {
         Random random = new Random(SEED + frame);
         var world = simulation.world();
@@ -291,6 +292,8 @@ class ReplayNativeTest {
                     ball -> world.remove(ball.id()));
             case 6 -> world.find("ball " + (frame - 5)).ifPresent(
                     ball -> world.rename(ball.id(), "old ball " + frame));
+            case 8 -> world.forces().add(new Forces.Force(corner.id(),
+                    List.of(random.nextGaussian(), 3.0, 0.0), 1 + random.nextInt(5)));
             case 7 -> world.table("body").column("dragCoefficient")
                     .setDouble(random.nextInt(10), 0, 0.25);
             default -> { }
