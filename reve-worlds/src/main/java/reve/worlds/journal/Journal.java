@@ -24,8 +24,8 @@ import reve.pe.adapter.PhysicsAdapter;
 /**
  * Keeps a journal of a running world: an image first, and again every so many frames; in between,
  * whatever changed the world other than laws, and a digest of each frame. The world's thread copies
- * and sums up; threads of the journal's own write. No frame begins to act before the one before it
- * is written, so that the end of the process costs one frame at most, unless the disk lets the world
+ * and sums up; threads of the journal's own write. No frame is published before the one before it is
+ * written, so that the end of the process costs one frame at most, unless the disk lets the world
  * wait for too long. If writing fails the world goes on, and the journal with the next image. Made
  * and closed by the world's thread, between frames.
  */
@@ -90,10 +90,8 @@ public final class Journal implements AutoCloseable {
         writer = new JournalWriter(header, digest.size(), ring, rooms, plan, sink, problems);
         lawListener = laws::add;
         physics.laws().addListener(lawListener);
-        subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", frame -> {
-            awaitFrameBefore(frame);
-            noteEarlyChanges();
-        }));
+        subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
+        subscriptions.add(bus.subscribe(FramePhase.DERIVE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.PUBLISH, "journal", this::handOver));
         writer.start();
     }
@@ -119,7 +117,7 @@ public final class Journal implements AutoCloseable {
         rooms.forEach(SimulationImage::close);
     }
 
-    /** What a frame announces is thereby at most one frame ahead of what is written. */
+    /** What is announced is thereby at most one frame ahead of what is written. */
     private void awaitFrameBefore(FrameEvent frame) {
         for (int i = 0; i < SPINS && !ring.isEmpty(); i++) {
             Thread.onSpinWait();
@@ -143,7 +141,7 @@ public final class Journal implements AutoCloseable {
     }
 
     /** The last listener of ACT: what comes later is not seen by this frame's laws. */
-    private void noteEarlyChanges() {
+    private void noteEarlyChanges(FrameEvent frame) {
         List<WorldChange> changes = world.changes();
         earlyCount = changes.size();
         for (int i = 0; i < earlyCount; i++) {
