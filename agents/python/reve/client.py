@@ -23,6 +23,7 @@ from typing import (
 
 from . import protocol
 from .errors import Disconnected, ProtocolError, ReveError
+from .tls import Tls, TlsSocket, secure
 from .protocol import (
     Argument,
     Bye,
@@ -54,6 +55,8 @@ def connect(
     role: str = protocol.AGENT,
     encoding: str = protocol.JSON,
     grace: float = 0.0,
+    token: Optional[str] = None,
+    tls: Tls = False,
     timeout: float = 10.0,
 ) -> Agent:
     """Joins the world at that address as agent `name` and returns when it has a body there.
@@ -61,17 +64,25 @@ def connect(
     `body` names an item that the world lends to agents; without it the world chooses one. As `role` "observer"
     one perceives everything and does nothing. `encoding` "msgpack" is faster and needs the package msgpack.
     `grace` [s] is how long the body may wait for us when the connection breaks; we reconnect by ourselves, and
-    whoever waits for an answer notices nothing. `timeout` [s] bounds this and every later wait for an answer.
+    whoever waits for an answer notices nothing. `token` is what a server that asks for one was told to expect.
+    `tls` makes the connection private: True trusts whom this machine trusts, the name of a file only the
+    certificates in it. `timeout` [s] bounds this and every later wait for an answer.
     Raises OSError where nobody listens, Disconnected with the server's code where the agent may not join.
     """
-    return Agent((host, port), protocol.hello(name, body, role, encoding, grace), timeout)
+    return Agent((host, port), protocol.hello(name, body, role, encoding, grace, token=token), timeout, tls)
 
 
 def control(
-    host: str = "127.0.0.1", port: int = 7777, *, name: str = "control", timeout: float = 10.0
+    host: str = "127.0.0.1",
+    port: int = 7777,
+    *,
+    name: str = "control",
+    token: Optional[str] = None,
+    tls: Tls = False,
+    timeout: float = 10.0,
 ) -> Control:
     """Joins a world to run it, without a body. As for `connect`."""
-    return Control((host, port), protocol.hello(name, role=protocol.CONTROL), timeout)
+    return Control((host, port), protocol.hello(name, role=protocol.CONTROL, token=token), timeout, tls)
 
 
 class Agent:
@@ -81,9 +92,12 @@ class Agent:
     the server is silent for longer than the timeout.
     """
 
-    def __init__(self, address: Tuple[str, int], greeting: Message, timeout: float) -> None:
+    def __init__(
+        self, address: Tuple[str, int], greeting: Message, timeout: float, tls: Tls = False
+    ) -> None:
         self._address = address
         self._timeout = timeout
+        self._tls = tls
         self._ids = itertools.count(1)
         self._sending = threading.Lock()
         self._changed = threading.Condition()
@@ -107,10 +121,15 @@ class Agent:
         )
         self._reader.start()
 
-    def _open(self, greeting: Message) -> Tuple[socket.socket, BinaryIO, Welcome]:
-        connection = socket.create_connection(self._address, self._timeout)
+    def _open(
+        self, greeting: Message
+    ) -> Tuple[Union[socket.socket, TlsSocket], BinaryIO, Welcome]:
+        plain = socket.create_connection(self._address, self._timeout)
+        connection: Union[socket.socket, TlsSocket] = plain
         try:
-            connection.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            if self._tls:
+                connection = secure(plain, self._address[0], self._tls)
             stream = connection.makefile("rb")
             connection.sendall(protocol.encode(greeting))
             welcome = _await_welcome(stream)

@@ -215,6 +215,7 @@ def hello(
     encoding: str = JSON,
     grace_seconds: float = 0,
     resume: Optional[Tuple[str, int]] = None,
+    token: Optional[str] = None,
 ) -> Message:
     """`resume` is the token of a session and the last frame whose events have all come."""
     message: Message = {"t": "hello", "protocol": VERSION, "name": name}
@@ -228,6 +229,8 @@ def hello(
         message["graceSeconds"] = grace_seconds
     if resume is not None:
         message["resume"] = {"session": resume[0], "frame": resume[1]}
+    if token is not None:
+        message["token"] = token
     return message
 
 

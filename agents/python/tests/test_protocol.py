@@ -80,7 +80,7 @@ def said(message):
         return protocol.hello(
             message["name"], message.get("body"), message.get("role", protocol.AGENT),
             message.get("encoding", protocol.JSON), message.get("graceSeconds", 0),
-            None if resume is None else (resume["session"], resume["frame"]),
+            None if resume is None else (resume["session"], resume["frame"]), message.get("token"),
         )
     if t == "perceive":
         return protocol.perceive(message["id"], message.get("every"), message.get("relations", False))

@@ -20,6 +20,10 @@ import java.util.Optional;
 import java.util.OptionalLong;
 import java.util.concurrent.TimeUnit;
 import java.util.function.BooleanSupplier;
+import javax.net.ssl.SSLContext;
+import javax.net.ssl.SSLException;
+import javax.net.ssl.SSLParameters;
+import javax.net.ssl.SSLSocket;
 import org.jspecify.annotations.Nullable;
 import tools.jackson.databind.node.ObjectNode;
 
@@ -68,19 +72,34 @@ public final class AgentClient implements AutoCloseable {
     public static AgentClient connect(String host, int port, Join join) throws IOException {
         var socket = new Socket();
         try {
-            socket.connect(new InetSocketAddress(host, port), Math.toIntExact(join.patience().toMillis()));
-            return new AgentClient(socket, join);
+            int patience = Math.toIntExact(join.patience().toMillis());
+            socket.connect(new InetSocketAddress(host, port), patience);
+            socket.setSoTimeout(patience);
+            return new AgentClient(join.tls().isPresent() ? secure(socket, host, join.tls().get()) : socket, join);
+        } catch (SSLException e) {
+            socket.close();
+            throw new DisconnectedException("tls-failed", e.getMessage(),
+                    Optional.of("does the server speak TLS, and is its certificate one that you trust?"));
         } catch (IOException | RuntimeException e) {
             socket.close();
             throw e;
         }
     }
 
+    /** Shakes hands, and makes sure that the server is the one at that address. */
+    private static Socket secure(Socket socket, String host, SSLContext trusted) throws IOException {
+        var secure = (SSLSocket) trusted.getSocketFactory().createSocket(socket, host, socket.getPort(), true);
+        SSLParameters parameters = secure.getSSLParameters();
+        parameters.setEndpointIdentificationAlgorithm("HTTPS");
+        secure.setSSLParameters(parameters);
+        secure.startHandshake();
+        return secure;
+    }
+
     private AgentClient(Socket socket, Join join) throws IOException {
         this.socket = socket;
         this.patience = join.patience();
         socket.setTcpNoDelay(true);
-        socket.setSoTimeout(Math.toIntExact(patience.toMillis()));
         in = new DataInputStream(new BufferedInputStream(socket.getInputStream()));
         out = socket.getOutputStream();
         encoding = join.encoding();

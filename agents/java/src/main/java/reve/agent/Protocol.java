@@ -42,6 +42,7 @@ final class Protocol {
         }
         join.resume().ifPresent(resume -> message.putObject("resume")
                 .put("session", resume.session()).put("frame", resume.frame()));
+        join.token().ifPresent(token -> message.put("token", token));
         return message;
     }
 

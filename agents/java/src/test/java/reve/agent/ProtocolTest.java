@@ -134,7 +134,8 @@ class ProtocolTest {
                     message.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON,
                     Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
                     message.optional("resume").map(resume -> new Join.Resume(
-                            resume.get("session").stringValue(), resume.get("frame").longValue())), Duration.ZERO));
+                            resume.get("session").stringValue(), resume.get("frame").longValue())),
+                    message.optional("token").map(JsonNode::stringValue), Optional.empty(), Duration.ZERO));
             case "perceive" -> message.has("every") ? Protocol.perceive(id, message.get("every").intValue())
                     : message.has("relations") ? Protocol.perceiveWithRelations(id) : Protocol.perceive(id);
             case "act" -> {

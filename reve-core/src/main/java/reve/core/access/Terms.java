@@ -8,6 +8,7 @@ import reve.core.rule.Expression;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
+import reve.core.world.Item;
 
 /**
  * On which terms an action may be performed. Immutable.
@@ -40,13 +41,15 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     }
 
     private void requireCapable(Action action, ActionCall call) throws ActionRefused {
-        List<String> has = Subject.ACTOR.in(call).access().capabilities();
+        Item actor = Subject.ACTOR.in(call);
+        List<String> has = call.capabilities();
         List<String> lacks = needs.stream().filter(need -> !has.contains(need)).toList();
         if (!lacks.isEmpty()) {
             throw new ActionRefused("not-capable", "action " + action.name() + " of "
                     + call.target().name() + " needs the capability " + quoted(lacks) + "; "
-                    + Subject.ACTOR.in(call).name() + " has "
-                    + (has.isEmpty() ? "none" : "only " + quoted(has)));
+                    + actor.name() + " has "
+                    + (has.isEmpty() ? "none" : "only " + quoted(has))
+                    + (has.containsAll(actor.access().capabilities()) ? "" : " by this agent's token"));
         }
     }
 

@@ -14,8 +14,11 @@ public sealed interface AgentInput {
     /** The name that the client declared. */
     String agent();
 
-    /** @param body the lent item that it asks for */
-    record Join(String agent, Optional<String> body) implements AgentInput {}
+    /**
+     * @param body the lent item that it asks for
+     * @param rights what it may have and do
+     */
+    record Join(String agent, Optional<String> body, Rights rights) implements AgentInput {}
 
     /** @param arguments Double, List of Double, String or Boolean by parameter name, not yet checked */
     record Act(String agent, String item, String action, Map<String, Object> arguments) implements AgentInput {

@@ -55,10 +55,12 @@ public final class AgentServer implements AutoCloseable {
     private final SelectionKey accepting;
     /** The event loop's own. */
     private final Set<Connection> connections = new HashSet<>();
+    private final TlsWire.Scratch tlsScratch = new TlsWire.Scratch();
     private final Queue<Connection> toWrite = new ConcurrentLinkedQueue<>();
     private final Map<String, Session> sessions = new ConcurrentHashMap<>();
     private final Deque<AgentCommand> leaving = new ArrayDeque<>();
     private final Optional<AuditLog> audit;
+    private final Attempts attempts = new Attempts();
     private final Subscription subscription;
     private volatile boolean closed;
 
@@ -161,6 +163,8 @@ public final class AgentServer implements AutoCloseable {
         public void checkDeadlines(long nowNanos) {
             List.copyOf(connections).forEach(connection -> connection.checkDeadlines(nowNanos));
             sessions.values().forEach(session -> session.checkGrace(nowNanos));
+            config.security().tokens().map(TokenFile::current)
+                    .ifPresent(current -> sessions.values().forEach(session -> session.checkToken(current)));
             if (accepting.isValid()) {
                 accepting.interestOps(SelectionKey.OP_ACCEPT);
             }
@@ -232,7 +236,10 @@ public final class AgentServer implements AutoCloseable {
         if (hello.resume().isPresent()) {
             return resume(connection, hello, hello.resume().get());
         }
-        var session = new Session(this, connection, role, hello);
+        Optional<AgentToken> token = requireToken(connection, hello);
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
+        requireOpen(hello, role, token, rights);
+        var session = new Session(this, connection, role, hello, token);
         if (sessions.putIfAbsent(hello.name(), session) != null) {
             throw Ending.refused("name-taken", "another client is called " + Text.quote(hello.name()),
                     "say hello with another name");
@@ -241,7 +248,7 @@ public final class AgentServer implements AutoCloseable {
             publisher.later(() -> session.welcome(Optional.empty(), published()));
             return session;
         }
-        var join = desk.command(new AgentInput.Join(hello.name(), hello.body()), session::joined);
+        var join = desk.command(new AgentInput.Join(hello.name(), hello.body(), rights), session::joined);
         if (!port.commands().offer(join)) {
             sessions.remove(hello.name());
             throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");
@@ -251,13 +258,53 @@ public final class AgentServer implements AutoCloseable {
 
     private Session resume(Connection connection, ClientMessage.Hello hello, ClientMessage.Resume resume)
             throws Ending {
+        requireAttempt(connection);
         Session session = sessions.get(hello.name());
-        if (session == null || !session.hasToken(resume.session())) {
+        if (session == null || !session.hasSecret(resume.session())) {
             throw Ending.refused("no-such-session", "there is no session of " + Text.quote(hello.name())
                     + " with this token, or it has ended", "say hello without resume");
         }
+        attempts.right(connection.address(), System.nanoTime());
         session.resume(connection, resume.frame());
         return session;
+    }
+
+    /** What the client's token says it may; nothing where the server asks for none. */
+    private Optional<AgentToken> requireToken(Connection connection, ClientMessage.Hello hello) throws Ending {
+        if (config.security().tokens().isEmpty()) {
+            return Optional.empty();
+        }
+        requireAttempt(connection);
+        Optional<AgentToken> token =
+                config.security().tokens().get().find(hello.token().orElse(""));
+        if (token.isEmpty()) {
+            throw Ending.refused("bad-token", "this server takes a token, and there was none or a wrong one",
+                    "say hello with the \"token\" that whoever runs the server gave you");
+        }
+        attempts.right(connection.address(), System.nanoTime());
+        return token;
+    }
+
+    private void requireAttempt(Connection connection) throws Ending {
+        if (!attempts.take(connection.address(), System.nanoTime())) {
+            throw Ending.cut("too-many-attempts", "too many wrong tokens came from your address; try again later");
+        }
+    }
+
+    private void requireOpen(ClientMessage.Hello hello, Role role, Optional<AgentToken> token, Rights rights)
+            throws Ending {
+        if (token.isPresent() && !token.get().name().equals(hello.name())) {
+            throw Ending.refused("not-permitted", "your token is for another name than " + Text.quote(hello.name()),
+                    "say hello with the name that it was made for");
+        }
+        if (!rights.roles().contains(role)) {
+            throw Ending.refused("not-permitted", "your token does not open the role " + role.wireName(),
+                    "it opens " + rights.roles().stream().map(Role::wireName).sorted().toList());
+        }
+        if (!rights.opensWorld(port.world())) {
+            throw Ending.refused("not-permitted", "your token does not open the world " + port.world(),
+                    "ask whoever runs the server for one that does");
+        }
     }
 
     /** Takes a client out of the world, in the next frame that has room for the command. */
@@ -288,12 +335,17 @@ public final class AgentServer implements AutoCloseable {
             throw Ending.refused("protocol-unsupported", "this server does not speak protocol " + hello.protocol(),
                     "say hello with \"protocol\":" + PROTOCOL);
         }
-        if (!NAME.matcher(hello.name()).matches()) {
+        if (!isName(hello.name())) {
             throw Ending.refused("bad-name", Text.quote(hello.name()) + " is no name for an agent",
                     "use 1 to 64 of A-Z a-z 0-9 _ . - and begin with a letter or digit");
         }
         return Role.of(hello.role()).orElseThrow(() -> Ending.refused("role-unsupported",
                 "this server does not know the role " + Text.quote(hello.role()), "it knows " + Role.names()));
+    }
+
+    /** Whether a client may be called that. */
+    static boolean isName(String name) {
+        return NAME.matcher(name).matches();
     }
 
     // ---- connections ----
@@ -334,11 +386,16 @@ public final class AgentServer implements AutoCloseable {
             return;
         }
         try {
-            connections.add(new Connection(this, Wire.of(channel)));
+            connections.add(new Connection(this, wire(channel)));
             counters.open.increment();
         } catch (IOException e) {
             closeQuietly(channel); // it has gone by itself
         }
+    }
+
+    private Wire wire(SocketChannel channel) {
+        return config.security().tls().isEmpty() ? Wire.of(channel)
+                : new TlsWire(channel, config.security().tls().get().engine(), tlsScratch);
     }
 
     private void turnAway(SocketChannel channel) {
@@ -348,7 +405,9 @@ public final class AgentServer implements AutoCloseable {
         try (channel) {
             log.warn("a client at " + channel.getRemoteAddress() + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
-            channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
+            if (config.security().tls().isEmpty()) { // else it would take a handshake
+                channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));
+            }
             channel.shutdownOutput();
         } catch (IOException e) {
             // It has gone by itself.

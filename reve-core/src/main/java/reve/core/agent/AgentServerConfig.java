@@ -10,7 +10,7 @@ import java.util.Optional;
  * Where the server listens and what it takes from a client. The limits are those that PROTOCOL.md promises; tests
  * set smaller ones.
  *
- * @param address a loopback address; port 0 takes any free one
+ * @param address port 0 takes any free one
  * @param maxConnections open connections, whether welcomed or not
  * @param helloBytes most bytes before the hello is complete
  * @param hello longest wait for the hello
@@ -25,18 +25,24 @@ import java.util.Optional;
  * @param outboxBytes and most bytes of them
  * @param maxErrors refused messages after which a connection ends
  * @param audit the file to which a record of all that clients are told is appended
+ * @param security how clients and server know each other
  */
 public record AgentServerConfig(InetSocketAddress address, int maxConnections, int helloBytes, Duration hello,
         int lineBytes, Duration line, Duration idle, Duration write, Duration grace, Duration linger,
         int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors,
-        Optional<Path> audit) {
+        Optional<Path> audit, AgentSecurity security) {
 
-    /** @throws IllegalArgumentException if the address is not loopback, or a limit is not positive */
+    /**
+     * @throws IllegalArgumentException if other machines reach the address and there are no tokens or no TLS, or a
+     *     limit is not positive
+     */
     public AgentServerConfig {
-        if (address.isUnresolved() || !address.getAddress().isLoopbackAddress()) {
+        if (address.isUnresolved()) {
+            throw new IllegalArgumentException("there is no address of " + address.getHostString());
+        }
+        if (!address.getAddress().isLoopbackAddress() && !security.isComplete()) {
             throw new IllegalArgumentException("agents cannot be served on " + address.getHostString()
-                    + ": this version has neither TLS nor tokens, so it listens on a loopback address only "
-                    + "(127.0.0.1 or ::1)");
+                    + " without tokens and TLS: other machines reach it");
         }
         requirePositive("maxConnections", maxConnections);
         requirePositive("helloBytes", helloBytes);
@@ -60,15 +66,20 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
 
     /** The protocol's limits on a loopback address. */
     public static AgentServerConfig on(InetSocketAddress address) {
+        return on(address, AgentSecurity.NONE);
+    }
+
+    /** The protocol's limits on any address. */
+    public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
         return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 1024 * 1024,
                 Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(60),
-                Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty());
+                Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty(), security);
     }
 
     /** The same, with a record of all that clients are told. */
     public AgentServerConfig withAudit(Path file) {
         return new AgentServerConfig(address, maxConnections, helloBytes, hello, lineBytes, line, idle, write, grace,
-                linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, Optional.of(file));
+                linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, Optional.of(file), security);
     }
 
     private static void requirePositive(String name, long value) {

@@ -38,9 +38,17 @@ sealed interface ClientMessage {
      * @param encoding of all that follows, as written
      * @param graceSeconds how long its body is to stay when the connection breaks
      * @param resume the session it goes on with
+     * @param token the secret that opens the server for it
      */
     record Hello(long id, int protocol, String name, String role, Optional<String> body, String encoding,
-            double graceSeconds, Optional<Resume> resume) implements ClientMessage {}
+            double graceSeconds, Optional<Resume> resume, Optional<String> token) implements ClientMessage {
+
+        /** Without its secrets. */
+        @Override
+        public String toString() {
+            return "hello of " + role + " " + name;
+        }
+    }
 
     /**
      * @param session what the welcome of the broken connection gave

@@ -1,10 +1,12 @@
 package reve.core.agent;
 
 import java.io.IOException;
-import java.net.SocketAddress;
+import java.net.InetAddress;
+import java.net.InetSocketAddress;
 import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
 import java.util.concurrent.atomic.AtomicBoolean;
+import javax.net.ssl.SSLException;
 import org.jspecify.annotations.Nullable;
 
 /**
@@ -21,7 +23,7 @@ final class Connection implements EventLoop.Handler {
     private final AgentServerConfig config;
     private final Counters counters;
     private final Wire wire;
-    private final SocketAddress address;
+    private final InetSocketAddress address;
     private final Outbox outbox;
 
     // The event loop's thread.
@@ -52,7 +54,7 @@ final class Connection implements EventLoop.Handler {
         this.address = wire.peer();
         this.outbox = new Outbox(config.outboxMessages(), config.outboxBytes(), this::wantToWrite);
         this.messages = new FrameReader(config, () -> send(new ServerMessage.Ping()));
-        this.key = wire.register(server.loop(), this);
+        this.key = wire.register(server.loop(), this, this::read);
     }
 
     // ---- any thread ----
@@ -63,6 +65,11 @@ final class Connection implements EventLoop.Handler {
 
     Outbox outbox() {
         return outbox;
+    }
+
+    /** Where the client is. */
+    InetAddress address() {
+        return address.getAddress();
     }
 
     /** How it is written to; JSON until the hello has come. */
@@ -131,7 +138,7 @@ final class Connection implements EventLoop.Handler {
                 if (nowNanos - endedNanos > config.linger().toNanos()) {
                     close();
                 }
-            } else if (unsent.hasRemaining() && nowNanos - unsentSinceNanos > config.write().toNanos()) {
+            } else if (isStuck() && nowNanos - unsentSinceNanos > config.write().toNanos()) {
                 end(Ending.cut("too-slow", "a write took longer than " + config.write().toMillis() / 1000.0 + " s"));
                 close();
             } else if (!held) {
@@ -161,11 +168,13 @@ final class Connection implements EventLoop.Handler {
                 drain();
                 return;
             }
-            boolean open = messages.fill(wire);
-            takeAll();
-            if (!open) {
-                end(Ending.regular("lost", "the client closed the connection without a bye"));
-            }
+            do {
+                boolean open = messages.fill(wire);
+                takeAll();
+                if (!open) {
+                    throw Ending.regular("lost", "the client closed the connection without a bye");
+                }
+            } while (wire.hasReceived() && !held && !hasEnded());
         });
     }
 
@@ -179,6 +188,11 @@ final class Connection implements EventLoop.Handler {
             reading.read();
         } catch (Ending e) {
             end(e);
+        } catch (TlsWire.PlainTextException e) {
+            end(Ending.refused("tls-expected", "this server speaks TLS", "connect with TLS"));
+        } catch (SSLException e) {
+            end(Ending.cut("tls-failed", "TLS failed: " + e.getMessage()));
+            close();
         } catch (IOException e) {
             close();
         } catch (Throwable e) {
@@ -283,6 +297,9 @@ final class Connection implements EventLoop.Handler {
             }
             takeAll();
         });
+        if (wire.hasReceived() && !held) {
+            read();
+        }
     }
 
     private synchronized void greet(ClientMessage message) throws BadMessage, Ending {
@@ -348,15 +365,17 @@ final class Connection implements EventLoop.Handler {
     private void keep(ByteBuffer rest) {
         if (rest.hasRemaining()) {
             unsent = rest.isDirect() ? ByteBuffer.allocate(rest.remaining()).put(rest).flip() : rest;
+        }
+        if (isStuck()) {
             unsentSinceNanos = System.nanoTime();
         }
     }
 
     /** @return true if nothing is left of what was to be written */
     private boolean writeUnsent() throws IOException {
-        if (unsent.hasRemaining()) {
+        if (isStuck()) {
             wire.write(unsent);
-            if (unsent.hasRemaining()) {
+            if (isStuck()) {
                 key.interestOpsOr(SelectionKey.OP_WRITE);
                 return false;
             }
@@ -364,6 +383,10 @@ final class Connection implements EventLoop.Handler {
             key.interestOpsAnd(~SelectionKey.OP_WRITE);
         }
         return true;
+    }
+
+    private boolean isStuck() {
+        return unsent.hasRemaining() || wire.hasUnsent();
     }
 
     /** All is written; the client closes next. */

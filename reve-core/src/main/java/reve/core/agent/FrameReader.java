@@ -56,6 +56,9 @@ final class FrameReader {
             room = (int) Math.min(room, config.helloBytes() - helloBytes);
         }
         int count = in.read(buffer.limit(end + room).position(end));
+        if (count > 0 && !greeted && helloBytes == 0 && buffer.get(end) == TlsWire.HANDSHAKE) {
+            throw Ending.refused("tls-unsupported", "this server speaks no TLS", "connect without TLS");
+        }
         if (count > 0) {
             if (start == end && greeted) {
                 waitingSince = System.nanoTime();

@@ -8,6 +8,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.TreeMap;
+import java.util.TreeSet;
 import reve.core.file.AgentPolicy;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
@@ -40,11 +41,17 @@ public final class Members {
      * @param name what it was called when the agent came
      * @param made true if the item exists for this agent only and goes with it
      * @param sensors what the agent perceives with; none for everything
+     * @param rights of the agent
      */
-    private record Body(ItemId id, String name, boolean made, List<Sensor> sensors) {
+    private record Body(ItemId id, String name, boolean made, List<Sensor> sensors, Rights rights) {
 
         Optional<Item> in(World world) {
             return world.find(id);
+        }
+
+        /** Those of the item that the agent may use. */
+        List<String> capabilities(Item item) {
+            return item.access().capabilities().stream().filter(rights::opensCapability).toList();
         }
     }
 
@@ -107,7 +114,7 @@ public final class Members {
     private Outcome rewound(World world, long frame, String agent, Optional<ItemId> then) {
         Body before = bodies.get(agent);
         try {
-            Body now = before.made() ? embody(world, agent, then) : before;
+            Body now = before.made() ? embody(world, agent, then, before.rights()) : before;
             bodies.put(agent, now);
             if (!now.id().equals(before.id())) {
                 raiseJoined(world, frame, agent, now);
@@ -120,12 +127,12 @@ public final class Members {
         }
     }
 
-    private Body embody(World world, String agent, Optional<ItemId> then) throws Ending {
+    private Body embody(World world, String agent, Optional<ItemId> then, Rights rights) throws Ending {
         Optional<Item> own = then.filter(id -> isMade(world, id)).flatMap(world::find);
         if (own.isPresent()) {
-            return new Body(own.get().id(), own.get().name(), true, own.get().sensors());
+            return new Body(own.get().id(), own.get().name(), true, own.get().sensors(), rights);
         }
-        return make(world, agent, policy.template().orElseThrow());
+        return make(world, agent, policy.template().orElseThrow(), rights);
     }
 
     private boolean isMade(World world, ItemId id) {
@@ -147,7 +154,9 @@ public final class Members {
                 find(world, body, arguments.text(parameter.name()));
             }
         }
-        action.perform(new ActionCall(world, frame, item, body.in(world), arguments));
+        Optional<Item> actor = body.in(world);
+        action.perform(new ActionCall(world, frame, item, actor, arguments,
+                actor.map(body::capabilities).orElse(List.of())));
         world.raise(new WorldEvent(frame, "acted",
                 fields("agent", act.agent(), "item", act.item(), "action", act.action())));
         return new Outcome.Done(frame);
@@ -188,7 +197,7 @@ public final class Members {
             throw Ending.refused("name-taken", "another agent is called " + Text.quote(join.agent()),
                     "say hello with another name");
         }
-        Body body = take(world, join.agent(), join.body());
+        Body body = take(world, join);
         bodies.put(join.agent(), body);
         raiseJoined(world, frame, join.agent(), body);
         return new Outcome.Joined(frame, body.name(), body.id(), body.sensors());
@@ -217,27 +226,36 @@ public final class Members {
     }
 
     /** The lent item that an agent asks for, else any free one, else a new item. */
-    private Body take(World world, String agent, Optional<String> wanted) throws Ending {
+    private Body take(World world, AgentInput.Join join) throws Ending {
+        Rights rights = join.rights();
         if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
             throw Ending.refused("no-bodies", "world " + world.name() + " grants agents no body",
                     "add `agents: {body: {...}}` or `agents: {bodies: [item, ...]}` to the world file");
         }
-        if (wanted.isPresent()) {
-            return lend(requireFree(world, wanted.get()));
+        if (join.body().isPresent()) {
+            return lend(requireFree(world, join.body().get(), rights), rights);
         }
         for (String name : policy.bodies()) {
             Optional<Item> item = world.find(name);
-            if (item.isPresent() && !lent.contains(name)) {
-                return lend(item.get());
+            if (item.isPresent() && !lent.contains(name) && rights.opensBody(name)) {
+                return lend(item.get(), rights);
             }
+        }
+        if (rights.bodies().isPresent()) {
+            throw Ending.refused("no-body-free", "no body that your token opens is free in world " + world.name(),
+                    "it opens " + new TreeSet<>(rights.bodies().get()));
         }
         ItemDefinition template = policy.template().orElseThrow(() -> Ending.refused("no-body-free",
                 "all bodies that world " + world.name() + " lends to agents are taken",
                 "try again when an agent has left"));
-        return make(world, agent, template);
+        return make(world, join.agent(), template, rights);
     }
 
-    private Item requireFree(World world, String name) throws Ending {
+    private Item requireFree(World world, String name, Rights rights) throws Ending {
+        if (!rights.opensBody(name)) {
+            throw Ending.refused("not-permitted", "your token does not open the body " + Text.quote(name),
+                    "it opens " + new TreeSet<>(rights.bodies().orElseThrow()));
+        }
         if (!policy.bodies().contains(name)) {
             throw Ending.refused("no-such-body", "world " + world.name() + " lends agents no item "
                     + Text.quote(name), "it lends " + policy.bodies());
@@ -251,19 +269,19 @@ public final class Members {
                 "leave out body to get any that is free"));
     }
 
-    private Body lend(Item item) {
+    private Body lend(Item item, Rights rights) {
         lent.add(item.name());
-        return new Body(item.id(), item.name(), false, item.sensors());
+        return new Body(item.id(), item.name(), false, item.sensors(), rights);
     }
 
-    private static Body make(World world, String agent, ItemDefinition template) throws Ending {
+    private static Body make(World world, String agent, ItemDefinition template, Rights rights) throws Ending {
         if (world.find(agent).isPresent()) {
             throw Ending.refused("name-taken", "world " + world.name() + " has an item " + Text.quote(agent)
                     + " already, so the agent's body cannot be called that", "say hello with another name");
         }
         try {
             Item item = world.add(template.renamed(agent));
-            return new Body(item.id(), item.name(), true, item.sensors());
+            return new Body(item.id(), item.name(), true, item.sensors(), rights);
         } catch (RuntimeException e) {
             throw Ending.refused("no-body-free", "the body could not be made: " + e.getMessage(),
                     "correct agents.body in the world file");

@@ -104,7 +104,8 @@ final class MessageReader {
             case "hello" -> new ClientMessage.Hello(fields.id, (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
                     fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"),
                     fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
-                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.resume());
+                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.resume(),
+                    fields.optionalText("token"));
             case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
                     ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE,
                     fields.has("relations") && fields.truth("relations"));

@@ -2,8 +2,6 @@ package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
-import java.security.SecureRandom;
-import java.util.HexFormat;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
@@ -19,8 +17,6 @@ final class Session {
 
     /** Reasons for which a connection ends that are nobody's fault. */
     private static final Set<String> RESUMABLE = Set.of("lost", "idle", "too-slow");
-    private static final SecureRandom RANDOM = new SecureRandom();
-    private static final int TOKEN_BYTES = 16;
 
     private final AgentServer server;
     private final Counters counters;
@@ -28,7 +24,8 @@ final class Session {
     private final Role role;
     private final ClientMessage.Hello hello;
     private final double graceSeconds;
-    private final String token;
+    private final Optional<AgentToken> token;
+    private final String secret;
 
     /** The event loop's thread; null for who perceives everything. */
     private @Nullable Senses senses;
@@ -49,7 +46,9 @@ final class Session {
     private volatile long joinedInFrame;
     private volatile boolean left;
 
-    Session(AgentServer server, Connection connection, Role role, ClientMessage.Hello hello) {
+    /** @param token that opened the server for it, if the server takes tokens */
+    Session(AgentServer server, Connection connection, Role role, ClientMessage.Hello hello,
+            Optional<AgentToken> token) {
         AgentServerConfig config = server.config();
         this.server = server;
         this.counters = server.counters();
@@ -57,17 +56,12 @@ final class Session {
         this.role = role;
         this.hello = hello;
         this.graceSeconds = Math.min(hello.graceSeconds(), config.grace().toMillis() / 1000.0);
-        this.token = newToken();
+        this.token = token;
+        this.secret = AgentToken.newSecret();
         this.events = new EventLog(config.outboxMessages(), config.outboxBytes());
         this.connection = connection;
         this.encoding = connection.encoding();
         this.perceptions = new PerceptionRequests(connection.outbox(), counters.perceptions);
-    }
-
-    private static String newToken() {
-        byte[] bytes = new byte[TOKEN_BYTES];
-        RANDOM.nextBytes(bytes);
-        return HexFormat.of().formatHex(bytes);
     }
 
     String name() {
@@ -94,9 +88,9 @@ final class Session {
         return perceptions;
     }
 
-    /** Takes as long for any wrong token. */
-    boolean hasToken(String claimed) {
-        return graceSeconds > 0 && MessageDigest.isEqual(token.getBytes(StandardCharsets.US_ASCII),
+    /** Takes as long for any wrong one. */
+    boolean hasSecret(String claimed) {
+        return graceSeconds > 0 && MessageDigest.isEqual(secret.getBytes(StandardCharsets.US_ASCII),
                 claimed.getBytes(StandardCharsets.UTF_8));
     }
 
@@ -311,6 +305,16 @@ final class Session {
         leave("lost");
     }
 
+    /** Called every now and then; ends the session when its token opens nothing any more. */
+    void checkToken(Set<AgentToken> current) {
+        if (token.isEmpty() || current.contains(token.get())) {
+            return;
+        }
+        Ending why = Ending.cut("token-revoked", "your token was revoked or changed, or has expired");
+        end(why);
+        leave(why.code()); // nothing new if it had a connection
+    }
+
     private void leave(String reason) {
         synchronized (this) {
             if (left) {
@@ -325,7 +329,7 @@ final class Session {
     }
 
     synchronized ServerMessage.@Nullable Ticket ticket() {
-        return graceSeconds > 0 ? new ServerMessage.Ticket(token, graceSeconds) : null;
+        return graceSeconds > 0 ? new ServerMessage.Ticket(secret, graceSeconds) : null;
     }
 
     synchronized Optional<String> body() {

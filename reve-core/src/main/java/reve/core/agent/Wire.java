@@ -1,7 +1,7 @@
 package reve.core.agent;
 
 import java.io.IOException;
-import java.net.SocketAddress;
+import java.net.InetSocketAddress;
 import java.net.StandardSocketOptions;
 import java.nio.ByteBuffer;
 import java.nio.channels.ByteChannel;
@@ -11,11 +11,25 @@ import java.nio.channels.SocketChannel;
 /** The bytes that go to and from one client; reading and writing never wait. The event loop's thread. */
 interface Wire extends ByteChannel {
 
-    /** Who is at the other end, for people to read. */
-    SocketAddress peer() throws IOException;
+    /** Who is at the other end. */
+    InetSocketAddress peer() throws IOException;
 
-    /** Tells the handler when there is something to read, and later whatever the key asks for. */
-    SelectionKey register(EventLoop loop, EventLoop.Handler handler) throws IOException;
+    /**
+     * Tells the handler when there is something to read, and later whatever the key asks for.
+     *
+     * @param readable called when there is something to read that the key says nothing of
+     */
+    SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable) throws IOException;
+
+    /** True if there is something to read that the key says nothing of. */
+    default boolean hasReceived() {
+        return false;
+    }
+
+    /** True if something that was written is still to go to the socket, by another {@link #write}. */
+    default boolean hasUnsent() {
+        return false;
+    }
 
     /** Tells the client that nothing more will come. */
     void shutdownOutput() throws IOException;
@@ -31,12 +45,13 @@ interface Wire extends ByteChannel {
         private static final int SEND_BUFFER_BYTES = 64 * 1024;
 
         @Override
-        public SocketAddress peer() throws IOException {
-            return channel.getRemoteAddress();
+        public InetSocketAddress peer() throws IOException {
+            return (InetSocketAddress) channel.getRemoteAddress();
         }
 
         @Override
-        public SelectionKey register(EventLoop loop, EventLoop.Handler handler) throws IOException {
+        public SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)
+                throws IOException {
             channel.setOption(StandardSocketOptions.TCP_NODELAY, true);
             channel.setOption(StandardSocketOptions.SO_SNDBUF, SEND_BUFFER_BYTES);
             return loop.register(channel, SelectionKey.OP_READ, handler);

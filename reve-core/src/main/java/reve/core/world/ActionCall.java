@@ -1,5 +1,6 @@
 package reve.core.world;
 
+import java.util.List;
 import java.util.Optional;
 
 /**
@@ -9,6 +10,14 @@ import java.util.Optional;
  * @param target the item whose action it is
  * @param actor the body that acts; empty if nobody in the world does
  * @param arguments checked against the action's parameters
+ * @param capabilities those of the actor that it may use now
  */
 public record ActionCall(World world, long frame, Item target, Optional<Item> actor,
-        Arguments arguments) {}
+        Arguments arguments, List<String> capabilities) {
+
+    /** With all capabilities that the actor has. */
+    public ActionCall(World world, long frame, Item target, Optional<Item> actor, Arguments arguments) {
+        this(world, frame, target, actor, arguments,
+                actor.map(item -> item.access().capabilities()).orElse(List.of()));
+    }
+}

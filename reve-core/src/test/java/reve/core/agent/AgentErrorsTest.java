@@ -5,7 +5,6 @@ import static org.assertj.core.api.Assertions.assertThat;
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
 import java.net.InetSocketAddress;
-import java.net.SocketAddress;
 import java.nio.ByteBuffer;
 import java.nio.channels.Pipe;
 import java.nio.channels.SelectionKey;
@@ -123,12 +122,12 @@ class AgentErrorsTest {
         }
 
         @Override
-        public SocketAddress peer() {
+        public InetSocketAddress peer() {
             return new InetSocketAddress(0);
         }
 
         @Override
-        public SelectionKey register(EventLoop loop, EventLoop.Handler handler) throws IOException {
+        public SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable) throws IOException {
             return loop.register(pipe.source(), SelectionKey.OP_READ, handler);
         }
 

@@ -467,10 +467,10 @@ class AgentServerTest {
 
     @ParameterizedTest
     @ValueSource(strings = {"0.0.0.0", "192.0.2.1", "::"})
-    void onlyLoopbackIsServed(String address) {
+    void otherAddressesThanLoopbackTakeTokensAndTls(String address) {
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> AgentServerConfig.on(new InetSocketAddress(address, 7777)))
-                .withMessageContaining("TLS").withMessageContaining("loopback");
+                .withMessageContaining("without tokens and TLS");
     }
 
     @Test

@@ -165,6 +165,7 @@ class MessagesTest {
                 }
                 hello.resume().ifPresent(resume -> json.putObject("resume")
                         .put("session", resume.session()).put("frame", resume.frame()));
+                hello.token().ifPresent(token -> json.put("token", token));
             }
             case ClientMessage.Perceive perceive -> {
                 if (perceive.every() != ClientMessage.Perceive.ONCE) {

@@ -6,6 +6,7 @@ import java.io.BufferedReader;
 import java.io.IOException;
 import java.io.InputStreamReader;
 import java.io.OutputStream;
+import java.io.UncheckedIOException;
 import java.net.InetSocketAddress;
 import java.net.Socket;
 import java.net.SocketTimeoutException;
@@ -21,7 +22,7 @@ final class TestClient implements AutoCloseable {
     private static final int PATIENCE_MILLIS = 20_000;
     private static final JsonMapper JSON = new JsonMapper();
 
-    final Socket socket = new Socket();
+    final Socket socket;
     private final OutputStream out;
     private final BufferedReader in;
     private final Deque<JsonNode> early = new ArrayDeque<>();
@@ -33,14 +34,25 @@ final class TestClient implements AutoCloseable {
 
     /** @param receiveBytes size of the receive buffer, 0 for the system's */
     TestClient(InetSocketAddress address, int receiveBytes) throws IOException {
-        if (receiveBytes > 0) {
-            socket.setReceiveBufferSize(receiveBytes);
-        }
-        socket.connect(address);
+        this(connected(address, receiveBytes));
+    }
+
+    /** @param socket connected, and closed by the client */
+    TestClient(Socket socket) throws IOException {
+        this.socket = socket;
         socket.setTcpNoDelay(true);
         socket.setSoTimeout(PATIENCE_MILLIS);
         out = socket.getOutputStream();
         in = new BufferedReader(new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+    }
+
+    private static Socket connected(InetSocketAddress address, int receiveBytes) throws IOException {
+        var socket = new Socket();
+        if (receiveBytes > 0) {
+            socket.setReceiveBufferSize(receiveBytes);
+        }
+        socket.connect(address);
+        return socket;
     }
 
     static JsonNode json(String text) {
@@ -66,6 +78,15 @@ final class TestClient implements AutoCloseable {
             early.addLast(message);
         }
         return this;
+    }
+
+    /** Whether something has come that was not read yet. */
+    boolean hasNews() {
+        try {
+            return !early.isEmpty() || in.ready();
+        } catch (IOException e) {
+            throw new UncheckedIOException(e);
+        }
     }
 
     /** The next message, in the order sent. */

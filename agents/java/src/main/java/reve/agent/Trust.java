@@ -1,0 +1,53 @@
+package reve.agent;
+
+import java.io.IOException;
+import java.io.InputStream;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.security.GeneralSecurityException;
+import java.security.KeyStore;
+import java.security.cert.Certificate;
+import java.security.cert.CertificateFactory;
+import javax.net.ssl.SSLContext;
+import javax.net.ssl.TrustManagerFactory;
+
+/** Whose word is taken for who a server is. */
+public final class Trust {
+
+    private Trust() {}
+
+    /** Those whom the Java runtime trusts. */
+    public static SSLContext system() {
+        try {
+            return SSLContext.getDefault();
+        } catch (GeneralSecurityException e) {
+            throw new IllegalStateException("this Java runtime has no TLS", e);
+        }
+    }
+
+    /**
+     * The certificates in a file, and nobody else.
+     *
+     * @param file PEM: the server's own certificate, or that of the authority which signed it
+     * @throws IOException naming the file, if it cannot be read or holds none
+     */
+    public static SSLContext file(Path file) throws IOException {
+        try (InputStream in = Files.newInputStream(file)) {
+            var store = KeyStore.getInstance("PKCS12");
+            store.load(null, null);
+            for (Certificate certificate : CertificateFactory.getInstance("X.509").generateCertificates(in)) {
+                store.setCertificateEntry("trusted " + store.size(), certificate);
+            }
+            if (store.size() == 0) {
+                throw new IOException(file + " holds no certificate, expected PEM");
+            }
+            var trust = TrustManagerFactory.getInstance(TrustManagerFactory.getDefaultAlgorithm());
+            trust.init(store);
+            var context = SSLContext.getInstance("TLS");
+            context.init(null, trust.getTrustManagers(), null);
+            return context;
+        } catch (GeneralSecurityException e) {
+            throw new IOException(file + ": " + e.getMessage(), e);
+        }
+    }
+}

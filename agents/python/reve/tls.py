@@ -1,0 +1,110 @@
+"""Private connections: TLS over a socket."""
+
+from __future__ import annotations
+
+import io
+import socket
+import ssl
+import threading
+from typing import BinaryIO, Union
+
+from .errors import Disconnected
+
+Tls = Union[bool, str, ssl.SSLContext]
+"""True for the authorities that this machine trusts, or a file of certificates (PEM) to trust instead."""
+
+_CHUNK = 64 * 1024
+
+
+def secure(connection: socket.socket, host: str, tls: Tls) -> TlsSocket:
+    """Shakes hands with the server and makes sure that it is `host`; Disconnected `tls-failed` if not."""
+    if isinstance(tls, ssl.SSLContext):
+        context = tls
+    else:
+        context = ssl.create_default_context(cafile=tls if isinstance(tls, str) else None)
+    try:
+        return TlsSocket(connection, context, host)
+    except socket.timeout:
+        raise
+    except (ssl.SSLError, EOFError) as error:
+        raise Disconnected(
+            "tls-failed", str(error), "does the server speak TLS, and is its certificate one that you trust?"
+        ) from error
+
+
+class TlsSocket:
+    """A socket with TLS. One thread may read while others write, which ssl.SSLSocket does not promise."""
+
+    def __init__(self, connection: socket.socket, context: ssl.SSLContext, host: str) -> None:
+        self._socket = connection
+        self._incoming, self._outgoing = ssl.MemoryBIO(), ssl.MemoryBIO()
+        self._tls = context.wrap_bio(self._incoming, self._outgoing, server_hostname=host)
+        self._lock = threading.Lock()
+        while True:
+            try:
+                self._tls.do_handshake()
+                break
+            except ssl.SSLWantReadError:
+                self._flush()
+                if not self._fill():
+                    raise EOFError("the server closed the connection before it was private") from None
+            except ssl.SSLError:
+                self._flush()  # the alert that tells the server why
+                raise
+        self._flush()
+
+    def sendall(self, data: bytes) -> None:
+        with self._lock:
+            self._tls.write(data)
+            self._flush()
+
+    def recv(self, size: int) -> bytes:
+        while True:
+            with self._lock:
+                try:
+                    return self._tls.read(size)
+                except (ssl.SSLZeroReturnError, ssl.SSLEOFError):
+                    return b""
+                except ssl.SSLWantReadError:
+                    self._flush()
+            self._fill()
+
+    def makefile(self, mode: str) -> BinaryIO:
+        assert mode == "rb"
+        return io.BufferedReader(_Reader(self))
+
+    def settimeout(self, seconds: Union[float, None]) -> None:
+        self._socket.settimeout(seconds)
+
+    def shutdown(self, how: int) -> None:
+        self._socket.shutdown(how)
+
+    def close(self) -> None:
+        self._socket.close()
+
+    def _flush(self) -> None:
+        waiting = self._outgoing.read()
+        if waiting:
+            self._socket.sendall(waiting)
+
+    def _fill(self) -> bool:
+        data = self._socket.recv(_CHUNK)
+        with self._lock:
+            if data:
+                self._incoming.write(data)
+            else:
+                self._incoming.write_eof()
+        return bool(data)
+
+
+class _Reader(io.RawIOBase):
+    def __init__(self, connection: TlsSocket) -> None:
+        self._connection = connection
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: bytearray) -> int:  # type: ignore[override]
+        data = self._connection.recv(len(buffer))
+        buffer[: len(data)] = data
+        return len(data)

@@ -1,0 +1,61 @@
+package reve.core.agent;
+
+import java.net.Inet6Address;
+import java.net.InetAddress;
+import java.nio.ByteBuffer;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.Map;
+
+/**
+ * Bounds how often clients of one address may offer a wrong secret: {@value #BURST} times at once, then one time a
+ * second. Remembers the last {@value #ADDRESSES} addresses; those of one IPv6 network of 64 bits count as one. Any
+ * thread.
+ */
+final class Attempts {
+
+    static final int BURST = 8;
+    static final int ADDRESSES = 4096;
+
+    private static final double PER_NANO = 1e-9;
+    private static final int NETWORK_BYTES = 8;
+
+    private final Map<ByteBuffer, Left> left = new LinkedHashMap<>(16, 0.75f, true) {
+        private static final long serialVersionUID = 1;
+
+        @Override
+        protected boolean removeEldestEntry(Map.Entry<ByteBuffer, Left> eldest) {
+            return size() > ADDRESSES;
+        }
+    };
+
+    private record Left(double attempts, long atNanos) {}
+
+    /** Whether it may offer one; if so, that is one attempt less, unless it turns out to be {@link #right}. */
+    synchronized boolean take(InetAddress address, long nowNanos) {
+        ByteBuffer network = network(address);
+        double now = attempts(network, nowNanos);
+        if (now < 1) {
+            return false;
+        }
+        left.put(network, new Left(now - 1, nowNanos));
+        return true;
+    }
+
+    /** The secret was right: it does not count. */
+    synchronized void right(InetAddress address, long nowNanos) {
+        ByteBuffer network = network(address);
+        left.put(network, new Left(Math.min(BURST, attempts(network, nowNanos) + 1), nowNanos));
+    }
+
+    private double attempts(ByteBuffer network, long nowNanos) {
+        Left before = left.get(network);
+        return before == null ? BURST
+                : Math.min(BURST, before.attempts + (nowNanos - before.atNanos) * PER_NANO);
+    }
+
+    private static ByteBuffer network(InetAddress address) {
+        byte[] bytes = address.getAddress();
+        return ByteBuffer.wrap(address instanceof Inet6Address ? Arrays.copyOf(bytes, NETWORK_BYTES) : bytes);
+    }
+}

@@ -1,0 +1,35 @@
+package reve.core.agent;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+
+/** A certificate for this machine that vouches for itself, made by the command that the documents give. */
+record Certificate(Path certificate, Path key) {
+
+    static Certificate make(Path folder, String name) throws IOException, InterruptedException {
+        return make(folder, name, "ec", "-pkeyopt", "ec_paramgen_curve:P-256");
+    }
+
+    /** @param kind of key, as openssl has it */
+    static Certificate make(Path folder, String name, String... kind) throws IOException, InterruptedException {
+        var made = new Certificate(folder.resolve(name + ".crt"), folder.resolve(name + ".key"));
+        var command = new ArrayList<>(List.of("openssl", "req", "-x509", "-nodes", "-days", "2", "-keyout",
+                made.key.toString(), "-out", made.certificate.toString(), "-subj", "/CN=localhost", "-addext",
+                "subjectAltName=DNS:localhost,IP:127.0.0.1", "-newkey"));
+        command.addAll(List.of(kind));
+        Process openssl = new ProcessBuilder(command).redirectErrorStream(true).start();
+        openssl.getOutputStream().close();
+        String said = new String(openssl.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
+        if (openssl.waitFor() != 0) {
+            throw new IOException(String.join(" ", command) + ": " + said);
+        }
+        return made;
+    }
+
+    ServerTls tls() throws IOException {
+        return ServerTls.of(certificate, key);
+    }
+}

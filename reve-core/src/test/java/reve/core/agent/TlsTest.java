@@ -1,0 +1,275 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
+
+import java.io.FileInputStream;
+import java.io.IOException;
+import java.net.InetSocketAddress;
+import java.net.Socket;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.nio.file.attribute.PosixFilePermissions;
+import java.security.KeyStore;
+import java.security.cert.CertificateFactory;
+import java.time.Duration;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Optional;
+import java.util.Random;
+import javax.net.ssl.SSLContext;
+import javax.net.ssl.SSLException;
+import javax.net.ssl.SSLSocket;
+import javax.net.ssl.TrustManagerFactory;
+import org.junit.jupiter.api.AfterAll;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeAll;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.world.ItemDefinition;
+import tools.jackson.databind.JsonNode;
+
+/** Private connections. */
+class TlsTest {
+
+    private static final Duration NEVER = Duration.ofMinutes(5);
+    private static final Duration SOON = Duration.ofMillis(150);
+    private static final String HELLO = "{'t':'hello','protocol':1,'name':'ada'}";
+
+    @TempDir
+    private static Path folder;
+    private static Certificate server;
+    private static SSLContext trusting;
+
+    private AgentRoom room;
+
+    @BeforeAll
+    static void makeCertificates() throws Exception {
+        server = Certificate.make(folder, "server");
+        trusting = trusting(server);
+    }
+
+    @AfterAll
+    static void forget() {
+        trusting = null;
+    }
+
+    @BeforeEach
+    void openARoom() throws IOException {
+        room = new AgentRoom(with(AgentRoom.CONFIG, server));
+    }
+
+    @AfterEach
+    void close() {
+        room.close();
+    }
+
+    private static AgentServerConfig with(AgentServerConfig c, Certificate certificate) throws IOException {
+        return new AgentServerConfig(c.address(), c.maxConnections(), c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
+                c.idle(), c.write(), c.grace(), c.linger(), c.actsInFlight(), c.outboxMessages(), c.outboxBytes(),
+                c.maxErrors(), c.audit(), new AgentSecurity(Optional.empty(), Optional.of(certificate.tls())));
+    }
+
+    private static SSLContext trusting(Certificate certificate) throws Exception {
+        var store = KeyStore.getInstance("PKCS12");
+        store.load(null, null);
+        try (var in = new FileInputStream(certificate.certificate().toFile())) {
+            store.setCertificateEntry("server", CertificateFactory.getInstance("X.509").generateCertificate(in));
+        }
+        var trust = TrustManagerFactory.getInstance(TrustManagerFactory.getDefaultAlgorithm());
+        trust.init(store);
+        SSLContext context = SSLContext.getInstance("TLS");
+        context.init(null, trust.getTrustManagers(), null);
+        return context;
+    }
+
+    private static SSLSocket secure(SSLContext context, InetSocketAddress address) throws IOException {
+        return (SSLSocket) context.getSocketFactory().createSocket(address.getAddress(), address.getPort());
+    }
+
+    private TestClient connect() throws IOException {
+        return new TestClient(secure(trusting, room.server.address()));
+    }
+
+    private TestClient join(AgentRoom in) throws IOException {
+        TestClient ada = new TestClient(secure(trusting, in.server.address())).say(HELLO).sync();
+        in.step();
+        ada.expect("welcome");
+        ada.expect("event");
+        return ada;
+    }
+
+    @Test
+    void aSessionOverTlsIsAsAnyOther() throws IOException {
+        try (TestClient ada = join(room)) {
+            assertThat(((SSLSocket) ada.socket).getSession().getProtocol()).isEqualTo("TLSv1.3");
+            ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
+            room.step();
+            assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
+            ada.skipTo("event");
+            ada.say("{'t':'bye'}").expectBye("goodbye");
+        }
+        room.stepUntil("it is gone", () -> room.server.stats().open() == 0);
+    }
+
+    @Test
+    void whatIsCutAnywhereArrivesWhole() throws IOException {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("seed of the cuts: -Dreve.test.seed=" + seed);
+        Random random = new Random(seed);
+        try (TestClient ada = join(room)) {
+            for (int i = 0; i < 200; i++) {
+                byte[] line = ("{\"t\":\"ping\",\"id\":" + i + ",\"padding\":\"" + "x".repeat(random.nextInt(40_000))
+                        + "\"}\n").getBytes(StandardCharsets.US_ASCII);
+                for (int at = 0; at < line.length;) {
+                    int next = Math.min(line.length, at + 1 + random.nextInt(20_000));
+                    ada.send(Arrays.copyOfRange(line, at, next));
+                    at = next;
+                }
+                assertThat(ada.expect("pong").get("id").intValue()).isEqualTo(i);
+            }
+        }
+    }
+
+    @Test
+    void perceptionsLongerThanASocketsBufferArriveWhole() throws IOException {
+        for (int i = 0; i < 3000; i++) {
+            room.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(500)).build());
+        }
+        try (TestClient ada = join(room)) {
+            for (int i = 0; i < 3; i++) {
+                ada.say("{'t':'perceive','id':" + i + "}").sync();
+                room.step();
+                JsonNode perception = ada.expect("perception");
+                assertThat(perception.get("items").size()).isEqualTo(3002);
+            }
+        }
+    }
+
+    @Test
+    void whoDoesNotTrustTheServerGoesAndNobodyElseNotices() throws Exception {
+        SSLContext another = trusting(Certificate.make(folder, "another"));
+        try (TestClient ada = join(room)) {
+            try (SSLSocket mistrustful = secure(another, room.server.address())) {
+                assertThatThrownBy(mistrustful::startHandshake).isInstanceOf(SSLException.class);
+            }
+            room.stepUntil("it is gone", () -> room.server.stats().open() == 1);
+            assertThat(room.server.stats().cut()).isEqualTo(1);
+            ada.sync();
+        }
+    }
+
+    @Test
+    void plainTextIsToldThatTlsIsSpokenHere() throws IOException {
+        try (TestClient plain = room.connect()) {
+            plain.say(HELLO).expectBye("tls-expected");
+        }
+    }
+
+    @Test
+    void tlsIsToldAtOnceThatNoneIsSpokenHere() throws IOException {
+        AgentServerConfig config = AgentRoom.config(NEVER, NEVER, NEVER, NEVER);
+        try (AgentRoom open = new AgentRoom(config); SSLSocket socket = secure(trusting, open.server.address())) {
+            assertThatThrownBy(socket::startHandshake).isInstanceOf(SSLException.class);
+            open.stepUntil("it is gone", () -> open.server.stats().open() == 0);
+        }
+    }
+
+    @Test
+    void olderVersionsAreNotSpoken() throws IOException {
+        try (SSLSocket old = secure(trusting, room.server.address())) {
+            old.setEnabledProtocols(new String[] {"TLSv1.2"});
+            assertThatThrownBy(old::startHandshake).isInstanceOf(SSLException.class);
+        }
+    }
+
+    @Test
+    void whoDoesNotFinishTheHandshakeIsCutAndKeepsNobodyWaiting() throws IOException {
+        AgentServerConfig config = with(AgentRoom.config(SOON, NEVER, NEVER, NEVER), server);
+        try (AgentRoom brief = new AgentRoom(config)) {
+            List<Socket> silent = new ArrayList<>();
+            for (int i = 0; i < 50; i++) {
+                Socket socket = new Socket(brief.server.address().getAddress(), brief.server.address().getPort());
+                socket.getOutputStream().write(new byte[] {0x16, 3, 1, 2}, 0, i % 5);
+                silent.add(socket);
+            }
+            brief.stepUntil("all are cut", () -> brief.server.stats().cut() == 50);
+            brief.stepUntil("all are gone", () -> brief.server.stats().open() == 0);
+            for (Socket socket : silent) {
+                assertThat(socket.getInputStream().read()).isEqualTo(-1);
+                socket.close();
+            }
+        }
+    }
+
+    @Test
+    void aRecordThatIsNeverFinishedDoesNotKeepAConnectionOpen() throws IOException {
+        AgentServerConfig config = with(AgentRoom.config(NEVER, SOON, SOON, NEVER), server);
+        try (AgentRoom brief = new AgentRoom(config);
+                Socket raw = new Socket(brief.server.address().getAddress(), brief.server.address().getPort());
+                TestClient ada = new TestClient(
+                        trusting.getSocketFactory().createSocket(raw, "localhost", raw.getPort(), true))) {
+            ada.say(HELLO).sync();
+            raw.getOutputStream().write(new byte[] {0x17, 3, 3, 0x40, 0, 1, 2, 3});
+            brief.step();
+            ada.skipTo("ping");
+            ada.skipToBye("idle");
+        }
+    }
+
+    @Test
+    void whoNeverReadsIsCutByTheWriteDeadline() throws IOException {
+        AgentServerConfig config = with(AgentRoom.config(NEVER, NEVER, NEVER, SOON), server);
+        try (AgentRoom brief = new AgentRoom(config)) {
+            for (int i = 0; i < 3000; i++) {
+                brief.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
+            }
+            try (TestClient blind = join(brief)) {
+                blind.say("{'t':'perceive','every':1}");
+                brief.stepUntil("it is cut", () -> brief.server.stats().cut() == 1);
+                brief.stepUntil("it is gone", () -> brief.server.stats().open() == 0);
+            }
+        }
+    }
+
+    @Test
+    void noiseInPlaceOfRecordsEndsTheConnection() throws IOException {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("seed of the noise: -Dreve.test.seed=" + seed);
+        Random random = new Random(seed);
+        for (int i = 0; i < 100; i++) {
+            byte[] noise = new byte[1 + random.nextInt(2000)];
+            random.nextBytes(noise);
+            noise[0] = 0x16;
+            try (Socket socket = new Socket(room.server.address().getAddress(), room.server.address().getPort())) {
+                socket.getOutputStream().write(noise);
+                socket.shutdownOutput();
+                socket.getInputStream().readAllBytes();
+            } catch (IOException e) {
+                // A reset: the server was done with it first.
+            }
+        }
+        room.stepUntil("all are gone", () -> room.server.stats().open() == 0);
+        join(room).close();
+    }
+
+    @Test
+    void filesThatDoNotFitAreNamed() throws Exception {
+        Certificate other = Certificate.make(folder, "other");
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), other.key()))
+                .hasMessageContaining("other.key is not the key of the certificate in").hasMessageContaining("server.crt");
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), server.certificate()))
+                .hasMessageContaining("server.crt").hasMessageContaining("chmod 600");
+        Path nothing = Files.writeString(folder.resolve("nothing.pem"), "nothing");
+        assertThatThrownBy(() -> ServerTls.of(nothing, server.key())).hasMessageContaining("nothing.pem");
+        Files.setPosixFilePermissions(nothing, PosixFilePermissions.fromString("rw-------"));
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), nothing))
+                .hasMessageContaining("nothing.pem").hasMessageContaining("openssl pkcs8");
+        Certificate rsa = Certificate.make(folder, "rsa", "rsa:2048");
+        assertThat(rsa.tls()).isNotNull();
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), rsa.key())).hasMessageContaining("(EC)");
+    }
+}
