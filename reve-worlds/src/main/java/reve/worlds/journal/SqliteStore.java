@@ -78,6 +78,7 @@ public final class SqliteStore implements JournalSink {
     }
 
     private Connection open() throws IOException {
+        requirePlace(file);
         boolean isNew = !Files.exists(file) || Files.size(file) == 0;
         if (!isNew) {
             requireMark(file);
@@ -301,6 +302,16 @@ public final class SqliteStore implements JournalSink {
     private static long number(Statement statement, String sql) throws SQLException {
         try (ResultSet result = statement.executeQuery(sql)) {
             return result.next() ? result.getLong(1) : 0;
+        }
+    }
+
+    private static void requirePlace(Path file) throws IOException {
+        Path parent = file.toAbsolutePath().getParent();
+        if (Files.isDirectory(file) || parent == null) {
+            throw new IOException(file + " is a folder, expected a file");
+        }
+        if (!Files.isDirectory(parent)) {
+            throw new IOException(file + " could not be opened: there is no folder " + parent);
         }
     }
 

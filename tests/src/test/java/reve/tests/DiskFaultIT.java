@@ -1,0 +1,116 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.tests.Reve.Outcome;
+import tools.jackson.databind.JsonNode;
+
+/** Real servers whose store is on a disk that fails. */
+class DiskFaultIT {
+    private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
+    /** No file may grow beyond this [KiB]: a law library fits, the frames of 300 s do not. */
+    private static final int LIMIT = 2400;
+
+    @TempDir
+    private Path folder;
+    private Path store;
+
+    @BeforeEach
+    void name() {
+        store = folder.resolve("my.db");
+    }
+
+    @Test
+    void aWorldGoesOnWithoutRoomOnItsDiskAndIsKeptAgainFromTheNextImageOn() throws Exception {
+        JsonNode end;
+        try (Server server = limited("--store-every", "300", "--seconds", "310")) {
+            JsonNode fault = server.events().await("fault", event -> true);
+            assertThat(fault.path("source").asString()).isEqualTo("store");
+            assertThat(fault.path("message").asString()).contains(store + "-frames-1",
+                    "could not be written: File too large");
+            end = server.events().await("end", event -> true);
+            assertThat(end.path("frames").asLong()).isEqualTo(310 * 60);
+            assertThat(server.exitCode()).isZero();
+        }
+        JsonNode resumed = resumed();
+        assertThat(resumed.path("frame").asLong()).isEqualTo(310 * 60);
+        assertThat(resumed.path("stateHash").asString())
+                .isEqualTo(end.path("stateHash").asString());
+    }
+
+    @Test
+    void aCrashBeforeTheNextImageCostsWhatWasSaidAndNoMore() throws Exception {
+        String fault;
+        try (Server server = limited("--store-every", "10000")) {
+            fault = server.events().await("fault", event -> true).path("message").asString();
+        }
+        JsonNode resumed = resumed();
+        long frame = resumed.path("frame").asLong();
+        assertThat(frame).isPositive();
+        assertThat(fault).endsWith("loses the frames from " + (frame + 1) + " on");
+        Outcome undisturbed = Reve.run("run", WORLD, "--seconds", Double.toString(frame / 60.0),
+                "--json");
+        assertThat(undisturbed.out()).contains("\"frames\" : " + frame,
+                resumed.path("stateHash").asString());
+    }
+
+    @Test
+    void aStoreThatIsRemovedIsMadeAnew() throws Exception {
+        JsonNode end;
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                "--store", store.toString(), "--store-every", "0.2", "--seconds", "2")) {
+            server.port();
+            Files.delete(store);
+            assertThat(server.events().await("fault", event -> true).path("message").asString())
+                    .contains(store + " was removed; it has been made anew");
+            end = server.events().await("end", event -> true);
+            assertThat(server.exitCode()).isZero();
+        }
+        assertThat(resumed().path("stateHash").asString())
+                .isEqualTo(end.path("stateHash").asString());
+    }
+
+    @Test
+    void placesThatNothingCanBeWrittenToAreRefusedByNameAndReason() throws Exception {
+        Path nowhere = folder.resolve("none/my.db");
+        refused("serve", "--store", nowhere, "there is no folder " + nowhere.getParent());
+        refused("serve", "--store", folder, "is a folder, expected a file");
+        refused("run", "--record", nowhere, "there is no folder " + nowhere.getParent());
+        refused("run", "--record", Path.of("/dev/full"), "No space left on device");
+    }
+
+    private static void refused(String command, String option, Path file, String reason)
+            throws Exception {
+        Outcome outcome = Reve.run(command, WORLD, option, file.toString());
+        assertThat(outcome.code()).as(outcome.err()).isNotZero();
+        assertThat(outcome.err()).contains(file.toString(), reason).doesNotContain("\tat ");
+    }
+
+    /** A server for which the disk is full as soon as a file is as large as the limit. */
+    private Server limited(String... options) throws IOException {
+        List<String> command = new ArrayList<>(List.of("bash", "-c",
+                "ulimit -f " + LIMIT + " && exec \"$@\"", "bash"));
+        command.addAll(Reve.command("serve", WORLD, "--port", "0", "--json", "--fast",
+                "--store", store.toString()));
+        command.addAll(List.of(options));
+        Path errors = folder.resolve("server.err");
+        Process process = new ProcessBuilder(command).redirectError(errors.toFile()).start();
+        return new Server(process, new Server.Events(process.inputReader(), errors));
+    }
+
+    /** What a server says that goes on with the store. */
+    private JsonNode resumed() throws IOException {
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                "--store", store.toString())) {
+            return server.events().await("ready", event -> true);
+        }
+    }
+}
