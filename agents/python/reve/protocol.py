@@ -8,7 +8,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import (
     Any,
     BinaryIO,
@@ -56,8 +56,31 @@ class Ticket:
 
 
 @dataclass(frozen=True)
+class Act:
+    """An action of an item with its arguments; the item None stands for one's own body."""
+
+    item: Optional[str]
+    action: str
+    arguments: Mapping[str, Argument] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class LockStep:
+    """The world waits for the agent after every `every`th frame, at most `deadline` [s]; if that was not long enough,
+    its body does the `fallback`. With `relations` it perceives what is near, on, inside and touching, too.
+    """
+
+    every: int = 1
+    deadline: float = 1.0
+    fallback: Optional[Act] = None
+    relations: bool = False
+
+
+@dataclass(frozen=True)
 class Welcome:
-    """The first answer: who you are in which world. `rate` is its frames per second; only agents have a body."""
+    """The first answer: who you are in which world. `rate` is its frames per second; only agents have a body.
+    `time` says the rhythm and the deadline that an agent in lock-step has got.
+    """
 
     id: Optional[int]
     protocol: int
@@ -68,6 +91,7 @@ class Welcome:
     frame: int
     rate: int
     encoding: str
+    time: Optional[LockStep]
     session: Optional[Ticket]
     resumed: bool
     limits: Limits
@@ -216,6 +240,7 @@ def hello(
     grace_seconds: float = 0,
     resume: Optional[Tuple[str, int]] = None,
     token: Optional[str] = None,
+    time: Optional[LockStep] = None,
 ) -> Message:
     """`resume` is the token of a session and the last frame whose events have all come."""
     message: Message = {"t": "hello", "protocol": VERSION, "name": name}
@@ -225,12 +250,30 @@ def hello(
         message["body"] = body
     if encoding != JSON:
         message["encoding"] = encoding
+    if time is not None:
+        message["time"] = _time(time)
     if grace_seconds > 0:
         message["graceSeconds"] = grace_seconds
     if resume is not None:
         message["resume"] = {"session": resume[0], "frame": resume[1]}
     if token is not None:
         message["token"] = token
+    return message
+
+
+def _time(time: LockStep) -> Message:
+    message: Message = {"mode": "lock-step"}
+    if time.every != 1:
+        message["every"] = time.every
+    if time.relations:
+        message["relations"] = True
+    if time.deadline != 1.0:
+        message["deadline"] = time.deadline
+    if time.fallback is not None:
+        act = time.fallback
+        message["fallback"] = {"action": act.action, "arguments": dict(act.arguments)}
+        if act.item is not None:
+            message["fallback"]["item"] = act.item
     return message
 
 
@@ -245,6 +288,16 @@ def perceive(id: int, every: Optional[int] = None, relations: bool = False) -> M
 
 def act(id: int, item: str, action: str, arguments: Mapping[str, Argument]) -> Message:
     return {"t": "act", "id": id, "item": item, "action": action, "arguments": dict(arguments)}
+
+
+def ready(frame: Optional[int] = None) -> Message:
+    """`frame` is that of the perception one goes by."""
+    return {"t": "ready"} if frame is None else {"t": "ready", "frame": frame}
+
+
+def and_ready(act: Message, frame: Optional[int] = None) -> Message:
+    """An act that says `ready`, too."""
+    return {**act, **ready(frame), "t": "act", "ready": True}
 
 
 def command(id: int, t: str, **fields: Any) -> Message:
@@ -333,7 +386,7 @@ def _require_finite(value: Any) -> None:
 
 
 def _welcome(message: Message) -> Welcome:
-    limits, session = message["limits"], message.get("session")
+    limits, session, time = message["limits"], message.get("session"), message.get("time")
     return Welcome(
         id=message.get("id"),
         protocol=message["protocol"],
@@ -344,6 +397,7 @@ def _welcome(message: Message) -> Welcome:
         frame=message["frame"],
         rate=message["rate"],
         encoding=message.get("encoding", JSON),
+        time=None if time is None else LockStep(time["every"], time["deadline"]),
         session=None if session is None else Ticket(session["token"], session["graceSeconds"]),
         resumed=message.get("resumed", False),
         limits=Limits(

@@ -28,6 +28,8 @@ def written(message):
             "idleSeconds": limits.idle_seconds,
             "graceSeconds": limits.grace_seconds,
         }
+        if message.time is not None:
+            fields["time"] = {"mode": "lock-step", "every": message.time.every, "deadline": message.time.deadline}
         if message.session is not None:
             fields["session"] = {"token": message.session.token, "graceSeconds": message.session.grace_seconds}
         if not message.resumed:
@@ -72,20 +74,33 @@ def understood(message):
     return message
 
 
+def lock_step(time):
+    fallback = time.get("fallback")
+    return protocol.LockStep(
+        time.get("every", 1), time.get("deadline", 1.0),
+        None if fallback is None else protocol.Act(fallback.get("item"), fallback["action"], fallback["arguments"]),
+        time.get("relations", False),
+    )
+
+
 def said(message):
     """What this client writes for a message with those values."""
     t = message["t"]
     if t == "hello":
-        resume = message.get("resume")
+        resume, time = message.get("resume"), message.get("time")
         return protocol.hello(
             message["name"], message.get("body"), message.get("role", protocol.AGENT),
             message.get("encoding", protocol.JSON), message.get("graceSeconds", 0),
             None if resume is None else (resume["session"], resume["frame"]), message.get("token"),
+            None if time is None else lock_step(time),
         )
     if t == "perceive":
         return protocol.perceive(message["id"], message.get("every"), message.get("relations", False))
     if t == "act":
-        return protocol.act(message["id"], message["item"], message["action"], message["arguments"])
+        act = protocol.act(message["id"], message["item"], message["action"], message["arguments"])
+        return protocol.and_ready(act, message.get("frame")) if message.get("ready") else act
+    if t == "ready":
+        return protocol.ready(message.get("frame"))
     if t == "ping":
         return protocol.ping(message["id"])
     if t in ("pong", "bye"):

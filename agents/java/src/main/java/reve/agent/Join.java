@@ -12,13 +12,15 @@ import javax.net.ssl.SSLContext;
  * @param body an item that the world lends to agents; empty to let the world choose
  * @param encoding how messages are written; MessagePack is faster and needs msgpack-core on the class path
  * @param grace how long the body may wait for the agent when the connection breaks
+ * @param lockStep how the world waits for the agent; empty if it does not
  * @param resume the session to go on with
  * @param token for a server that asks for one
  * @param tls whom to trust on a private connection, see {@link Trust}; empty for plain text
  * @param patience longest wait for any answer
  */
 public record Join(String name, String role, Optional<String> body, Encoding encoding, Duration grace,
-        Optional<Resume> resume, Optional<String> token, Optional<SSLContext> tls, Duration patience) {
+        Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token, Optional<SSLContext> tls,
+        Duration patience) {
 
     private static final Duration PATIENCE = Duration.ofSeconds(10);
 
@@ -33,39 +35,43 @@ public record Join(String name, String role, Optional<String> body, Encoding enc
     /** As an agent with a body that the world chooses. */
     public static Join as(String name) {
         return new Join(name, "agent", Optional.empty(), Encoding.JSON, Duration.ZERO, Optional.empty(), Optional.empty(),
-                Optional.empty(), PATIENCE);
+                Optional.empty(), Optional.empty(), PATIENCE);
     }
 
     public Join withRole(String newRole) {
-        return new Join(name, newRole, body, encoding, grace, resume, token, tls, patience);
+        return new Join(name, newRole, body, encoding, grace, lockStep, resume, token, tls, patience);
     }
 
     public Join withBody(String item) {
-        return new Join(name, role, Optional.of(item), encoding, grace, resume, token, tls, patience);
+        return new Join(name, role, Optional.of(item), encoding, grace, lockStep, resume, token, tls, patience);
     }
 
     public Join withEncoding(Encoding newEncoding) {
-        return new Join(name, role, body, newEncoding, grace, resume, token, tls, patience);
+        return new Join(name, role, body, newEncoding, grace, lockStep, resume, token, tls, patience);
     }
 
     public Join withGrace(Duration newGrace) {
-        return new Join(name, role, body, encoding, newGrace, resume, token, tls, patience);
+        return new Join(name, role, body, encoding, newGrace, lockStep, resume, token, tls, patience);
+    }
+
+    public Join withLockStep(LockStep time) {
+        return new Join(name, role, body, encoding, grace, Optional.of(time), resume, token, tls, patience);
     }
 
     public Join withResume(Resume session) {
-        return new Join(name, role, body, encoding, grace, Optional.of(session), token, tls, patience);
+        return new Join(name, role, body, encoding, grace, lockStep, Optional.of(session), token, tls, patience);
     }
 
     public Join withToken(String secret) {
-        return new Join(name, role, body, encoding, grace, resume, Optional.of(secret), tls, patience);
+        return new Join(name, role, body, encoding, grace, lockStep, resume, Optional.of(secret), tls, patience);
     }
 
     public Join withTls(SSLContext trusted) {
-        return new Join(name, role, body, encoding, grace, resume, token, Optional.of(trusted), patience);
+        return new Join(name, role, body, encoding, grace, lockStep, resume, token, Optional.of(trusted), patience);
     }
 
     public Join withPatience(Duration newPatience) {
-        return new Join(name, role, body, encoding, grace, resume, token, tls, newPatience);
+        return new Join(name, role, body, encoding, grace, lockStep, resume, token, tls, newPatience);
     }
 
     /** Without its secrets. */

@@ -1,6 +1,7 @@
 package reve.agent;
 
 import java.io.IOException;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.Collections;
@@ -40,10 +41,29 @@ final class Protocol {
         if (join.grace().isPositive()) {
             message.put("graceSeconds", join.grace().toMillis() / 1000.0);
         }
+        join.lockStep().ifPresent(lockStep -> putTime(message.putObject("time"), lockStep));
         join.resume().ifPresent(resume -> message.putObject("resume")
                 .put("session", resume.session()).put("frame", resume.frame()));
         join.token().ifPresent(token -> message.put("token", token));
         return message;
+    }
+
+    private static void putTime(ObjectNode time, LockStep lockStep) {
+        time.put("mode", "lock-step");
+        if (lockStep.every() != 1) {
+            time.put("every", lockStep.every());
+        }
+        if (lockStep.relations()) {
+            time.put("relations", true);
+        }
+        if (!lockStep.deadline().equals(LockStep.DEADLINE)) {
+            time.put("deadline", lockStep.deadline().toNanos() / 1e9);
+        }
+        lockStep.fallback().ifPresent(act -> {
+            ObjectNode fallback = time.putObject("fallback");
+            act.item().ifPresent(item -> fallback.put("item", item));
+            fallback.put("action", act.action()).set("arguments", arguments(act.arguments()));
+        });
     }
 
     static ObjectNode perceive(long id) {
@@ -60,10 +80,28 @@ final class Protocol {
     }
 
     static ObjectNode act(long id, String item, String action, Map<String, ?> arguments) {
+        ObjectNode message = message("act").put("id", id).put("item", item).put("action", action);
+        message.set("arguments", arguments(arguments));
+        return message;
+    }
+
+    private static ObjectNode arguments(Map<String, ?> arguments) {
         ObjectNode values = JSON.createObjectNode();
         arguments.forEach((name, value) -> values.set(name, argument(name, value)));
-        ObjectNode message = message("act").put("id", id).put("item", item).put("action", action);
-        message.set("arguments", values);
+        return values;
+    }
+
+    /** An act that says {@code ready}, too. */
+    static ObjectNode andReady(ObjectNode act, OptionalLong frame) {
+        act.put("ready", true);
+        frame.ifPresent(seen -> act.put("frame", seen));
+        return act;
+    }
+
+    /** @param frame of the perception that the agent goes by */
+    static ObjectNode ready(OptionalLong frame) {
+        ObjectNode message = message("ready");
+        frame.ifPresent(seen -> message.put("frame", seen));
         return message;
     }
 
@@ -182,11 +220,17 @@ final class Protocol {
         return new Welcome(id(message), message.required("protocol").intValue(), text(message, "role"),
                 text(message, "agent"), optional(message, "body"), text(message, "world"),
                 message.required("frame").longValue(), message.required("rate").intValue(),
-                text(message, "encoding", Encoding.JSON.wireName()), message.optional("session").map(session -> new Welcome.Ticket(text(session, "token"),
+                text(message, "encoding", Encoding.JSON.wireName()), message.optional("time").map(Protocol::lockStep),
+                message.optional("session").map(session -> new Welcome.Ticket(text(session, "token"),
                         session.required("graceSeconds").doubleValue())), message.path("resumed").asBoolean(false),
                 new Welcome.Limits(limits.required("lineBytes").intValue(),
                         limits.required("actsInFlight").intValue(), limits.required("idleSeconds").doubleValue(),
                         limits.required("graceSeconds").doubleValue()));
+    }
+
+    private static LockStep lockStep(JsonNode time) {
+        return LockStep.every(time.required("every").intValue()).withDeadline(
+                Duration.ofNanos(Math.round(1e9 * time.required("deadline").doubleValue())));
     }
 
     private static ActResult result(JsonNode message) {

@@ -11,12 +11,13 @@ import java.util.OptionalLong;
  * @param frame in which it joined
  * @param rate frames per second
  * @param encoding "json" or "msgpack"
+ * @param lockStep the rhythm and the deadline that an agent in lock-step has got
  * @param session given to who asked for grace
  * @param resumed true if a session goes on after its connection broke
  */
 public record Welcome(OptionalLong id, int protocol, String role, String agent, Optional<String> body, String world,
-        long frame, int rate, String encoding, Optional<Ticket> session, boolean resumed, Limits limits)
-        implements ServerMessage {
+        long frame, int rate, String encoding, Optional<LockStep> lockStep, Optional<Ticket> session,
+        boolean resumed, Limits limits) implements ServerMessage {
 
     /** With the token another connection goes on with the session, that long [s] after the first broke. */
     public record Ticket(String token, double graceSeconds) {}

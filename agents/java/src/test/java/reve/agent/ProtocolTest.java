@@ -133,6 +133,7 @@ class ProtocolTest {
                     message.path("role").asString("agent"), message.optional("body").map(JsonNode::stringValue),
                     message.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON,
                     Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
+                    message.optional("time").map(ProtocolTest::lockStep),
                     message.optional("resume").map(resume -> new Join.Resume(
                             resume.get("session").stringValue(), resume.get("frame").longValue())),
                     message.optional("token").map(JsonNode::stringValue), Optional.empty(), Duration.ZERO));
@@ -141,9 +142,11 @@ class ProtocolTest {
             case "act" -> {
                 var arguments = new LinkedHashMap<String, Object>();
                 message.get("arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
-                yield Protocol.act(id, message.get("item").stringValue(), message.get("action").stringValue(),
-                        arguments);
+                ObjectNode act = Protocol.act(id, message.get("item").stringValue(),
+                        message.get("action").stringValue(), arguments);
+                yield message.has("ready") ? Protocol.andReady(act, frame(message)) : act;
             }
+            case "ready" -> Protocol.ready(frame(message));
             case "ping" -> Protocol.ping(id);
             case "pong" -> Protocol.pong();
             case "bye" -> Protocol.bye();
@@ -154,6 +157,19 @@ class ProtocolTest {
                 yield Protocol.command(id, message.get("t").stringValue(), fields);
             }
         };
+    }
+
+    private static OptionalLong frame(JsonNode message) {
+        return message.has("frame") ? OptionalLong.of(message.get("frame").longValue()) : OptionalLong.empty();
+    }
+
+    private static LockStep lockStep(JsonNode time) {
+        var arguments = new LinkedHashMap<String, Object>();
+        time.at("/fallback/arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
+        return new LockStep(time.path("every").asInt(1), time.has("relations"),
+                Duration.ofNanos((long) (1e9 * time.path("deadline").asDouble(1))), time.optional("fallback").map(
+                        act -> new Act(act.optional("item").map(JsonNode::stringValue),
+                                act.get("action").stringValue(), arguments)));
     }
 
     private static Object value(JsonNode value) {
@@ -184,6 +200,8 @@ class ProtocolTest {
                 if (!w.encoding().equals("json")) {
                     json.put("encoding", w.encoding());
                 }
+                w.lockStep().ifPresent(time -> json.putObject("time").put("mode", "lock-step")
+                        .put("every", time.every()).put("deadline", time.deadline().toNanos() / 1e9));
                 w.session().ifPresent(session -> json.putObject("session").put("token", session.token())
                         .put("graceSeconds", session.graceSeconds()));
                 if (w.resumed()) {

@@ -5,22 +5,20 @@ import reve.core.frame.Command;
 import reve.core.frame.FrameEvent;
 import reve.core.world.World;
 
-/** What an agent wants of the world: done on the world's thread in ACT, answered on the event loop's. */
+/** What an agent wants of the world, done on the world's thread in ACT. */
 public final class AgentCommand implements Command {
 
-    private final Publisher publisher;
     private final Members members;
     private final long sequence;
     private final AgentInput input;
-    private final Consumer<Outcome> answer;
+    private final Consumer<Outcome> done;
 
-    /** @param answer told how it went, on the event loop's thread */
-    AgentCommand(Publisher publisher, Members members, long sequence, AgentInput input, Consumer<Outcome> answer) {
-        this.publisher = publisher;
+    /** @param done told how it went, on the world's thread */
+    AgentCommand(Members members, long sequence, AgentInput input, Consumer<Outcome> done) {
         this.members = members;
         this.sequence = sequence;
         this.input = input;
-        this.answer = answer;
+        this.done = done;
     }
 
     /** What is wanted, for whoever records it. */
@@ -40,7 +38,6 @@ public final class AgentCommand implements Command {
 
     @Override
     public void execute(World world, FrameEvent event) {
-        Outcome outcome = members.apply(world, event.frame(), input);
-        publisher.later(() -> answer.accept(outcome));
+        done.accept(members.apply(world, event.frame(), input));
     }
 }

@@ -35,6 +35,27 @@ public sealed interface AgentInput {
      */
     record Edit(String agent, String item, String property, Object value) implements AgentInput {}
 
+    /**
+     * An agent in lock-step did not say in time what it does.
+     *
+     * @param count how often it was late until now
+     * @param fallback what its body does instead
+     * @param told whether the others hear of it
+     */
+    record Late(String agent, long count, Optional<Fallback> fallback, boolean told) implements AgentInput {}
+
+    /**
+     * What an agent's body does when the agent is late.
+     *
+     * @param item whose action; empty for the body's own
+     * @param arguments as of {@link Act}
+     */
+    record Fallback(Optional<String> item, String action, Map<String, Object> arguments) {
+        public Fallback {
+            arguments = Collections.unmodifiableMap(new LinkedHashMap<>(arguments));
+        }
+    }
+
     /** @param reason a code, for the others */
     record Leave(String agent, String reason) implements AgentInput {}
 }

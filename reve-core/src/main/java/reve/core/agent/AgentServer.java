@@ -25,6 +25,7 @@ import java.util.regex.Pattern;
 import java.util.stream.Stream;
 import reve.core.agent.ServerMessage.Limits;
 import reve.core.agent.ServerMessage.Welcome;
+import reve.core.frame.FrameGate;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Subscription;
 
@@ -49,6 +50,7 @@ public final class AgentServer implements AutoCloseable {
     private final RateLimitedLog log = new RateLimitedLog();
     private final Publisher publisher;
     private final ControlDesk desk;
+    private final LockStep lockStep;
     private final EventLoop loop;
     private final ServerSocketChannel listening;
     private final InetSocketAddress address;
@@ -96,8 +98,10 @@ public final class AgentServer implements AutoCloseable {
         this.address = (InetSocketAddress) listening.getLocalAddress();
         this.publisher = new Publisher(port, log, this::queueLeaving, this::wake);
         this.desk = new ControlDesk(port, publisher, log);
+        this.lockStep = new LockStep(port.loop()::wake, desk::late);
         this.loop = new EventLoop(log, new LoopWork(), shortestLimit(config) / CHECKS_PER_DEADLINE);
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
+        port.loop().setGate(lockStep);
         this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
     }
 
@@ -121,6 +125,7 @@ public final class AgentServer implements AutoCloseable {
         if (closed) {
             return;
         }
+        port.loop().setGate(FrameGate.OPEN);
         subscription.close();
         loop.later(() -> {
             closed = true;
@@ -203,6 +208,10 @@ public final class AgentServer implements AutoCloseable {
         return desk;
     }
 
+    LockStep lockStep() {
+        return lockStep;
+    }
+
     Optional<AuditLog> audit() {
         return audit;
     }
@@ -215,9 +224,13 @@ public final class AgentServer implements AutoCloseable {
         publisher.admit(session);
     }
 
+    void withFrame(Runnable report) {
+        publisher.withFrame(report);
+    }
+
     Welcome welcome(Session session, ClientMessage.Hello hello, long frame, boolean resumed) {
         return new Welcome(hello.id(), PROTOCOL, session.role(), hello.name(), session.body(), port.world(), frame,
-                port.framesPerSecond(), session.encoding(), Optional.ofNullable(session.ticket()), resumed,
+                port.framesPerSecond(), session.encoding(), session.rhythm(), Optional.ofNullable(session.ticket()), resumed,
                 new Limits(config.lineBytes(), config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
     }
 
@@ -248,7 +261,7 @@ public final class AgentServer implements AutoCloseable {
             publisher.later(() -> session.welcome(Optional.empty(), published()));
             return session;
         }
-        var join = desk.command(new AgentInput.Join(hello.name(), hello.body(), rights), session::joined);
+        var join = desk.command(new AgentInput.Join(hello.name(), hello.body(), rights), session::came);
         if (!port.commands().offer(join)) {
             sessions.remove(hello.name());
             throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");

@@ -19,6 +19,7 @@ import java.util.Optional;
  * @param idle silence after which a client is pinged, and after as much again cut off
  * @param write longest time that one write may take
  * @param grace longest time that the body of an agent whose connection broke may wait for it
+ * @param deadline longest time that an agent in lock-step may have the world wait
  * @param linger how long a finished connection may take to go
  * @param actsInFlight most acts and other commands of one client that wait for their result
  * @param outboxMessages most messages of one agent that wait to be written
@@ -28,7 +29,7 @@ import java.util.Optional;
  * @param security how clients and server know each other
  */
 public record AgentServerConfig(InetSocketAddress address, int maxConnections, int helloBytes, Duration hello,
-        int lineBytes, Duration line, Duration idle, Duration write, Duration grace, Duration linger,
+        int lineBytes, Duration line, Duration idle, Duration write, Duration grace, Duration deadline, Duration linger,
         int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors,
         Optional<Path> audit, AgentSecurity security) {
 
@@ -52,6 +53,7 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
         requirePositive("idle", idle.toMillis());
         requirePositive("write", write.toMillis());
         requirePositive("grace", grace.toMillis());
+        requirePositive("deadline", deadline.toMillis());
         requirePositive("linger", linger.toMillis());
         requirePositive("actsInFlight", actsInFlight);
         requirePositive("outboxMessages", outboxMessages);
@@ -73,13 +75,19 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
         return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 1024 * 1024,
                 Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(60),
-                Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty(), security);
+                Duration.ofSeconds(10), Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty(), security);
     }
 
     /** The same, with a record of all that clients are told. */
     public AgentServerConfig withAudit(Path file) {
         return new AgentServerConfig(address, maxConnections, helloBytes, hello, lineBytes, line, idle, write, grace,
-                linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, Optional.of(file), security);
+                deadline, linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, Optional.of(file), security);
+    }
+
+    /** The same, with another longest time that an agent in lock-step may have the world wait. */
+    public AgentServerConfig withDeadline(Duration longest) {
+        return new AgentServerConfig(address, maxConnections, helloBytes, hello, lineBytes, line, idle, write, grace,
+                longest, linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, audit, security);
     }
 
     private static void requirePositive(String name, long value) {

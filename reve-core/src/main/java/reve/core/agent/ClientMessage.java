@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalLong;
 
 /** What a client says. {@code id} is {@link #NO_ID} where it gave none. */
 sealed interface ClientMessage {
@@ -16,6 +17,7 @@ sealed interface ClientMessage {
             case Hello hello -> "hello";
             case Perceive perceive -> "perceive";
             case Act act -> "act";
+            case Ready ready -> "ready";
             case Pause pause -> "pause";
             case Run run -> "run";
             case Step step -> "step";
@@ -37,11 +39,13 @@ sealed interface ClientMessage {
      * @param body the lent item it asks for
      * @param encoding of all that follows, as written
      * @param graceSeconds how long its body is to stay when the connection breaks
+     * @param lockStep empty for an agent that nobody waits for
      * @param resume the session it goes on with
      * @param token the secret that opens the server for it
      */
     record Hello(long id, int protocol, String name, String role, Optional<String> body, String encoding,
-            double graceSeconds, Optional<Resume> resume, Optional<String> token) implements ClientMessage {
+            double graceSeconds, Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token)
+            implements ClientMessage {
 
         /** Without its secrets. */
         @Override
@@ -49,6 +53,16 @@ sealed interface ClientMessage {
             return "hello of " + role + " " + name;
         }
     }
+
+    /**
+     * The world is to wait for the agent.
+     *
+     * @param every frames between perceptions, after each of which the agent says that it is ready
+     * @param relations of the perceptions
+     * @param deadlineSeconds longest wait
+     * @param fallback what its body does when it is late
+     */
+    record LockStep(int every, boolean relations, double deadlineSeconds, Optional<AgentInput.Fallback> fallback) {}
 
     /**
      * @param session what the welcome of the broken connection gave
@@ -64,6 +78,13 @@ sealed interface ClientMessage {
         static final int ONCE = -1;
     }
 
+    /**
+     * The agent has done what it does in this round.
+     *
+     * @param frame of the perception that it has seen
+     */
+    record Ready(long id, OptionalLong frame) implements ClientMessage {}
+
     record Ping(long id) implements ClientMessage {}
 
     record Pong(long id) implements ClientMessage {}
@@ -73,8 +94,12 @@ sealed interface ClientMessage {
     /** What has a result and is done at most once. */
     sealed interface Request extends ClientMessage {}
 
-    /** @param arguments Double, List of Double, String or Boolean by parameter name */
-    record Act(long id, String item, String action, Map<String, Object> arguments) implements Request {}
+    /**
+     * @param arguments Double, List of Double, String or Boolean by parameter name
+     * @param ready if it is all that the agent does in this round
+     */
+    record Act(long id, String item, String action, Map<String, Object> arguments, Optional<Ready> ready)
+            implements Request {}
 
     /** What only the role control may say. */
     sealed interface Control extends Request {}

@@ -263,6 +263,7 @@ final class Connection implements EventLoop.Handler {
             case ClientMessage.Perceive perceive -> agent.perceive(perceive);
             case ClientMessage.Act act -> agent.request(act);
             case ClientMessage.Control control -> hold(agent, control);
+            case ClientMessage.Ready ready -> agent.ready(ready);
             case ClientMessage.Ping ping -> send(new ServerMessage.Pong(ping.id()));
             case ClientMessage.Pong pong -> { }
             case ClientMessage.Bye bye -> throw Ending.regular("goodbye", "the agent said bye");

@@ -26,18 +26,26 @@ final class ControlDesk {
         this.log = log;
     }
 
-    /** The command that does this to the world. */
-    AgentCommand command(AgentInput input, Consumer<Outcome> answer) {
-        return new AgentCommand(publisher, members, sequence.incrementAndGet(), input, answer);
+    /**
+     * The command that does this to the world.
+     *
+     * @param done told how it went, on the world's thread
+     */
+    AgentCommand command(AgentInput input, Consumer<Outcome> done) {
+        return new AgentCommand(members, sequence.incrementAndGet(), input, done);
     }
 
     /** Has a command done and its result sent. */
     void submit(Session session, ClientMessage.Request request) {
         switch (request) {
-            case ClientMessage.Act act -> offer(session, act, command(new AgentInput.Act(session.name(), act.item(),
-                    act.action(), act.arguments()), outcome -> answer(session, act, outcome)));
-            case ClientMessage.Edit edit -> offer(session, edit, command(new AgentInput.Edit(session.name(),
-                    edit.item(), edit.property(), edit.value()), outcome -> answer(session, edit, outcome)));
+            case ClientMessage.Act act -> {
+                if (offer(session, act, new AgentInput.Act(session.name(), act.item(), act.action(),
+                        act.arguments()))) {
+                    act.ready().ifPresent(session::endRound);
+                }
+            }
+            case ClientMessage.Edit edit -> offer(session, edit, new AgentInput.Edit(session.name(), edit.item(),
+                    edit.property(), edit.value()));
             case ClientMessage.Pause pause -> accept(session, pause, port.loop().pause());
             case ClientMessage.Run run -> {
                 accept(session, run, port.loop().frame());
@@ -60,6 +68,21 @@ final class ControlDesk {
 
     private static void accept(Session session, ClientMessage.Request request, long frame) {
         session.finish(request, new ServerMessage.Accepted(request.id(), frame), 0);
+    }
+
+    /** An agent in lock-step was late. Loop's thread; done in the frame that begins now, if that has room for it. */
+    void late(AgentInput.Late late) {
+        port.commands().offer(command(late, outcome -> {
+            if (outcome instanceof Outcome.Failed failed) {
+                publisher.withFrame(() -> log.error("the fallback of agent " + late.agent() + " failed",
+                        failed.cause()));
+            }
+        }));
+    }
+
+    private boolean offer(Session session, ClientMessage.Request request, AgentInput input) {
+        return offer(session, request, command(input,
+                outcome -> publisher.withFrame(() -> answer(session, request, outcome))));
     }
 
     private boolean offer(Session session, ClientMessage.Request request, Command command) {
@@ -122,7 +145,7 @@ final class ControlDesk {
         try {
             WorldControl.Change change = preparation.prepare();
             var command = new ChangeCommand(session.name(), sequence.incrementAndGet(), change,
-                    outcome -> publisher.later(() -> answer(session, request, outcome)));
+                    outcome -> publisher.withFrame(() -> answer(session, request, outcome)));
             if (!offer(session, request, command)) {
                 change.drop();
             }

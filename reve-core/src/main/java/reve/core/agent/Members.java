@@ -70,6 +70,7 @@ public final class Members {
                     ItemEdit.apply(world, edit);
                     yield new Outcome.Done(frame);
                 }
+                case AgentInput.Late late -> late(world, frame, late);
                 case AgentInput.Leave leave -> leave(world, frame, leave);
             };
         } catch (Ending e) {
@@ -146,6 +147,39 @@ public final class Members {
         if (body == null) {
             return new Outcome.Absent();
         }
+        perform(world, frame, body, act);
+        raiseActed(world, frame, act);
+        return new Outcome.Done(frame);
+    }
+
+    private static void raiseActed(World world, long frame, AgentInput.Act act) {
+        world.raise(new WorldEvent(frame, "acted",
+                fields("agent", act.agent(), "item", act.item(), "action", act.action())));
+    }
+
+    private Outcome late(World world, long frame, AgentInput.Late late) throws ActionRefused {
+        Body body = bodies.get(late.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        if (late.told()) {
+            Map<String, Object> fields = fields("agent", late.agent(), "body", body.name());
+            fields.put("count", late.count());
+            world.raise(new WorldEvent(frame, "late", fields));
+        }
+        if (late.fallback().isPresent()) {
+            AgentInput.Fallback fallback = late.fallback().get();
+            var act = new AgentInput.Act(late.agent(), fallback.item().orElse(body.name()), fallback.action(),
+                    fallback.arguments());
+            perform(world, frame, body, act);
+            if (late.told()) {
+                raiseActed(world, frame, act);
+            }
+        }
+        return new Outcome.Done(frame);
+    }
+
+    private void perform(World world, long frame, Body body, AgentInput.Act act) throws ActionRefused {
         Item item = find(world, body, act.item());
         Action action = item.access().find(act.action()).orElseThrow(() -> noSuchAction(item, act.action()));
         Arguments arguments = Arguments.check(action, act.arguments());
@@ -157,9 +191,6 @@ public final class Members {
         Optional<Item> actor = body.in(world);
         action.perform(new ActionCall(world, frame, item, actor, arguments,
                 actor.map(body::capabilities).orElse(List.of())));
-        world.raise(new WorldEvent(frame, "acted",
-                fields("agent", act.agent(), "item", act.item(), "action", act.action())));
-        return new Outcome.Done(frame);
     }
 
     /** An item that an agent does not sense is none to it; the refusal must not tell the difference. */

@@ -10,6 +10,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalLong;
 import org.jspecify.annotations.Nullable;
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
@@ -20,6 +21,7 @@ final class MessageReader {
     static final int MAX_EVERY = 1_000_000;
 
     private static final double MAX_SECONDS = 1e6;
+    private static final double DEFAULT_DEADLINE_SECONDS = 1;
     private static final long MAX_ID = (1L << 53) - 1;
     private static final int MAX_REASON = 200;
     private static final int MAX_IMAGE_NAME = 64;
@@ -104,13 +106,14 @@ final class MessageReader {
             case "hello" -> new ClientMessage.Hello(fields.id, (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
                     fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"),
                     fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
-                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.resume(),
-                    fields.optionalText("token"));
+                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.lockStep(),
+                    fields.resume(), fields.optionalText("token"));
             case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
                     ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE,
-                    fields.has("relations") && fields.truth("relations"));
+                    fields.isTrue("relations"));
             case "act" -> new ClientMessage.Act(fields.required(), fields.text("item"), fields.text("action"),
-                    fields.arguments());
+                    fields.arguments(), fields.isTrue("ready") ? Optional.of(fields.ready()) : Optional.empty());
+            case "ready" -> fields.ready();
             case "pause" -> new ClientMessage.Pause(fields.required());
             case "run" -> new ClientMessage.Run(fields.required());
             case "step" -> new ClientMessage.Step(fields.required(), fields.has("frames")
@@ -129,7 +132,7 @@ final class MessageReader {
             case "bye" -> new ClientMessage.Bye(fields.id);
             default -> throw new BadMessage(fields.id, "unknown-type",
                     "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
-                    "a client sends hello, perceive, act, ping, pong or bye; in the role control also pause, run, "
+                    "a client sends hello, perceive, act, ready, ping, pong or bye; in the role control also pause, run, "
                             + "step, load-law, unload-law, edit, picture, snapshot, rewind or shut-down");
         };
     }
@@ -166,6 +169,49 @@ final class MessageReader {
                         "expected a number from " + min + " to " + max);
             }
             return value;
+        }
+
+        Optional<ClientMessage.LockStep> lockStep() throws BadMessage {
+            JsonNode field = find("time");
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isObject()) {
+                throw bad(id, "time", "is " + show(field), "expected an object with mode");
+            }
+            var time = new Fields(field);
+            return switch (time.text("mode")) {
+                case "real-time" -> Optional.empty();
+                case "lock-step" -> {
+                    if (!optionalText("role").orElse("agent").equals("agent")) {
+                        throw bad(id, "mode", "is \"lock-step\"", "expected \"real-time\" for who is no agent");
+                    }
+                    yield Optional.of(new ClientMessage.LockStep(
+                            time.has("every") ? (int) time.integer("every", 1, MAX_EVERY) : 1, time.isTrue("relations"),
+                            time.has("deadline") ? time.number("deadline", 0, MAX_SECONDS) : DEFAULT_DEADLINE_SECONDS,
+                            time.fallback()));
+                }
+                default -> throw bad(id, "mode", "is " + show(field.get("mode")),
+                        "expected \"real-time\" or \"lock-step\"");
+            };
+        }
+
+        private Optional<AgentInput.Fallback> fallback() throws BadMessage {
+            JsonNode field = find("fallback");
+            if (field == null) {
+                return Optional.empty();
+            }
+            if (!field.isObject()) {
+                throw bad(id, "fallback", "is " + show(field), "expected an object with action");
+            }
+            var fallback = new Fields(field);
+            return Optional.of(new AgentInput.Fallback(fallback.optionalText("item"), fallback.text("action"),
+                    fallback.arguments()));
+        }
+
+        ClientMessage.Ready ready() throws BadMessage {
+            return new ClientMessage.Ready(id, has("frame") ? OptionalLong.of(integer("frame", 0, MAX_ID))
+                    : OptionalLong.empty());
         }
 
         Optional<ClientMessage.Resume> resume() throws BadMessage {
@@ -219,7 +265,12 @@ final class MessageReader {
             return name;
         }
 
-        boolean truth(String name) throws BadMessage {
+        /** False if it is absent. */
+        boolean isTrue(String name) throws BadMessage {
+            return has(name) && truth(name);
+        }
+
+        private boolean truth(String name) throws BadMessage {
             JsonNode field = find(name);
             if (field == null || !field.isBoolean()) {
                 throw bad(id, name, "is " + show(field), "expected true or false");

@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
+import org.jspecify.annotations.Nullable;
 import reve.core.agent.Outbox.Line;
 
 /** What one agent has asked to perceive. Asked by its reader, served by the publisher. */
@@ -17,12 +18,21 @@ final class PerceptionRequests {
     private long everyId;
     private long everyFrom;
     private boolean everyRelations;
+    private @Nullable Turn turn;
     private long notBefore;
 
     /** @param served counts the perceptions handed over */
     PerceptionRequests(Outbox outbox, LongAdder served) {
         this.outbox = outbox;
         this.served = served;
+    }
+
+    /** An agent in lock-step perceives the first frame of each of its rounds, until it asks for something else. */
+    synchronized void follow(Turn its, long answerTo) {
+        turn = its;
+        every = its.wanted().every();
+        everyId = answerTo;
+        everyRelations = its.wanted().relations();
     }
 
     /**
@@ -35,6 +45,7 @@ final class PerceptionRequests {
             everyId = perceive.id();
             everyFrom = published + 1;
             everyRelations = perceive.relations();
+            turn = null;
             outbox.restart();
             return;
         }
@@ -88,7 +99,7 @@ final class PerceptionRequests {
             }
             served.increment();
             update(view.get(), encoding, telling);
-            everyFrom = frame + every;
+            everyFrom = turn == null ? frame + every : turn.next(frame);
         }
         return true;
     }
@@ -113,6 +124,6 @@ final class PerceptionRequests {
     }
 
     private boolean isEveryDue(long frame) {
-        return every > 0 && frame >= everyFrom;
+        return every > 0 && frame >= everyFrom && (turn == null || turn.hasBegun(frame));
     }
 }

@@ -84,6 +84,11 @@ final class Publisher {
         return news;
     }
 
+    /** As {@link #later}, in ACT: with the frame that is being made. */
+    void withFrame(Runnable report) {
+        reports.add(report);
+    }
+
     /** The last frame that was published. */
     long published() {
         return published;

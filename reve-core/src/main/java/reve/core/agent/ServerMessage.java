@@ -17,9 +17,16 @@ sealed interface ServerMessage {
     /** With it, another connection goes on with the session within that time after the first broke. */
     record Ticket(String token, double graceSeconds) {}
 
-    /** @param body of a client of the role agent */
+    /** How the world waits for an agent in lock-step: after every Nth frame, that long at most. */
+    record Rhythm(int every, double deadlineSeconds) {}
+
+    /**
+     * @param body of a client of the role agent
+     * @param lockStep empty for whom nobody waits for
+     */
     record Welcome(long id, int protocol, Role role, String agent, Optional<String> body, String world, long frame,
-            int rate, Encoding encoding, Optional<Ticket> session, boolean resumed, Limits limits)
+            int rate, Encoding encoding, Optional<Rhythm> lockStep, Optional<Ticket> session, boolean resumed,
+            Limits limits)
             implements ServerMessage {}
 
     record Accepted(long id, long frame) implements ServerMessage {}
@@ -105,6 +112,13 @@ sealed interface ServerMessage {
         if (welcome.encoding != Encoding.JSON) {
             fields.put("encoding", welcome.encoding.wireName());
         }
+        welcome.lockStep.ifPresent(rhythm -> {
+            var time = new LinkedHashMap<String, Object>();
+            time.put("mode", "lock-step");
+            time.put("every", rhythm.every);
+            time.put("deadline", rhythm.deadlineSeconds);
+            fields.put("time", time);
+        });
         welcome.session.ifPresent(session -> {
             var ticket = new LinkedHashMap<String, Object>();
             ticket.put("token", session.token);

@@ -26,6 +26,8 @@ final class Session {
     private final double graceSeconds;
     private final Optional<AgentToken> token;
     private final String secret;
+    /** Null for who is not in lock-step. */
+    private final @Nullable Turn turn;
 
     /** The event loop's thread; null for who perceives everything. */
     private @Nullable Senses senses;
@@ -61,7 +63,17 @@ final class Session {
         this.events = new EventLog(config.outboxMessages(), config.outboxBytes());
         this.connection = connection;
         this.encoding = connection.encoding();
-        this.perceptions = new PerceptionRequests(connection.outbox(), counters.perceptions);
+        this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
+                (long) (wanted.deadlineSeconds() * 1e9), config.deadline().toNanos()))).orElse(null);
+        this.perceptions = perceptionsOver(connection);
+    }
+
+    private PerceptionRequests perceptionsOver(Connection its) {
+        var requests = new PerceptionRequests(its.outbox(), counters.perceptions);
+        if (turn != null) {
+            requests.follow(turn, hello.id());
+        }
+        return requests;
     }
 
     String name() {
@@ -99,10 +111,21 @@ final class Session {
         return role.wireName() + " " + name;
     }
 
+    // ---- world's thread ----
+
+    /** The agent is in the world, or cannot be: the client is told with the frame. */
+    void came(Outcome outcome) {
+        if (turn != null && outcome instanceof Outcome.Joined joined) {
+            turn.begin(joined.frame());
+            server.lockStep().add(turn);
+        }
+        server.withFrame(() -> joined(outcome));
+    }
+
     // ---- the event loop's thread ----
 
     /** The agent has its body, or cannot have one. */
-    void joined(Outcome outcome) {
+    private void joined(Outcome outcome) {
         embodied(outcome);
         if (outcome instanceof Outcome.Joined joined) {
             welcome(Optional.of(joined.body()), joined.frame());
@@ -199,6 +222,30 @@ final class Session {
 
     // ---- its connection's reader ----
 
+    /** The agent has done what it does in this round. */
+    void ready(ClientMessage.Ready ready) throws BadMessage {
+        requireLockStep(ready.id());
+        endRound(ready);
+    }
+
+    private void requireLockStep(long id) throws BadMessage {
+        if (turn == null) {
+            throw new BadMessage(id, "not-lock-step", "nobody waits for " + this,
+                    "say hello with \"time\":{\"mode\":\"lock-step\"} to be waited for");
+        }
+    }
+
+    void endRound(ClientMessage.Ready ready) {
+        if (turn != null) {
+            if (ready.frame().isPresent()) {
+                turn.ready(ready.frame().getAsLong(), server.published());
+            } else {
+                turn.ready();
+            }
+            server.lockStep().changed();
+        }
+    }
+
     void perceive(ClientMessage.Perceive perceive) throws BadMessage {
         perceptions.ask(perceive, server.published());
     }
@@ -209,6 +256,9 @@ final class Session {
         if (role != needed) {
             throw new BadMessage(request.id(), "not-permitted", "this connection is " + this + ", and " + request.type()
                     + " takes the role " + needed.wireName(), "say hello with \"role\":\"" + needed.wireName() + "\"");
+        }
+        if (request instanceof ClientMessage.Act act && act.ready().isPresent()) {
+            requireLockStep(act.id());
         }
         if (begin(request)) {
             server.desk().submit(this, request);
@@ -269,11 +319,15 @@ final class Session {
             previous = connection;
             connection = next;
             encoding = next.encoding();
-            perceptions = new PerceptionRequests(next.outbox(), counters.perceptions);
+            perceptions = perceptionsOver(next);
             perceptions.notBefore(lastResultFrame);
+            if (turn != null) {
+                turn.comeBack();
+            }
             offer(server.welcome(this, hello, server.published(), true));
             missed.forEach(this::offer);
         }
+        server.lockStep().changed();
         if (previous != null) {
             previous.end(Ending.regular("resumed", "another connection goes on with this session"));
         }
@@ -289,6 +343,10 @@ final class Session {
             connection = null;
             if (welcomed && graceSeconds > 0 && RESUMABLE.contains(why.code())) {
                 brokenNanos = System.nanoTime();
+                if (turn != null) {
+                    turn.breakOff();
+                    server.lockStep().changed();
+                }
                 return;
             }
         }
@@ -325,11 +383,19 @@ final class Session {
                 counters.agents.decrement();
             }
         }
+        if (turn != null) {
+            server.lockStep().remove(turn);
+        }
         server.leave(this, reason);
     }
 
     synchronized ServerMessage.@Nullable Ticket ticket() {
         return graceSeconds > 0 ? new ServerMessage.Ticket(secret, graceSeconds) : null;
+    }
+
+    Optional<ServerMessage.Rhythm> rhythm() {
+        return Optional.ofNullable(turn).map(its ->
+                new ServerMessage.Rhythm(its.wanted().every(), its.deadlineNanos() / 1e9));
     }
 
     synchronized Optional<String> body() {

@@ -45,6 +45,7 @@ public final class FrameLoop {
     private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
     private boolean begun;
     private boolean making;
+    private volatile FrameGate gate = FrameGate.OPEN;
     private volatile boolean stopped;
     private volatile @Nullable Thread runner;
 
@@ -62,7 +63,7 @@ public final class FrameLoop {
         world.forces().setFramesPerSecond(timing.framesPerSecond());
     }
 
-    /** Makes one frame at once, without pacing. */
+    /** Makes one frame at once, without pacing and whatever the gate says. */
     public void step() {
         world.claim();
         runErrands();
@@ -107,6 +108,18 @@ public final class FrameLoop {
         begunFrame.set(frame);
         lastAllowed.updateAndGet(last -> Math.max(last, frame));
         begun = false;
+        gate.continuesAfter(frame);
+    }
+
+    /** From now on {@link #run} asks this gate before each frame. Any thread. */
+    public void setGate(FrameGate gate) {
+        this.gate = gate;
+        wake();
+    }
+
+    /** Has {@link #run}, if it waits, look again at once whether it may go on. Any thread. */
+    public void wake() {
+        LockSupport.unpark(runner);
     }
 
     /**
@@ -118,7 +131,7 @@ public final class FrameLoop {
      */
     public void betweenFrames(Runnable errand) {
         errands.add(errand);
-        LockSupport.unpark(runner);
+        wake();
     }
 
     /**
@@ -150,7 +163,7 @@ public final class FrameLoop {
     /** Ends {@link #run} after the current frame, now and ever after. Any thread. */
     public void stop() {
         stopped = true;
-        LockSupport.unpark(runner);
+        wake();
     }
 
     /**
@@ -162,13 +175,14 @@ public final class FrameLoop {
         lastAllowed.set(0); // from here on none is begun, or the loop looks again
         long last = begunFrame.get();
         lastAllowed.set(last);
+        wake(); // who waits for the gate waits no longer
         return last;
     }
 
     /** Lets {@link #run} go on after a pause, as if no time had passed. Any thread. */
     public synchronized void resume() {
         lastAllowed.set(UNLIMITED);
-        LockSupport.unpark(runner);
+        wake();
     }
 
     /**
@@ -180,7 +194,7 @@ public final class FrameLoop {
         long paused = lastAllowed.get();
         long last = (paused == UNLIMITED ? pause() : paused) + count;
         lastAllowed.set(last);
-        LockSupport.unpark(runner);
+        wake();
         return last;
     }
 
@@ -250,19 +264,33 @@ public final class FrameLoop {
                 phaseNanoseconds.getPlain(index) + clock.nanoTime() - start);
     }
 
-    /** Waits while paused. @return false if no more frames are wanted */
+    /** Waits while paused or held by the gate. @return false if no more frames are wanted */
     private boolean mayBegin() {
-        boolean paused = false;
+        boolean waited = false;
         runErrands();
-        while (isWanted() && !begin(frame() + 1)) {
-            paused = true;
-            clock.park(PAUSE_NANOSECONDS);
-            runErrands();
+        while (isWanted()) {
+            long wait = nanosecondsHeld(frame() + 1);
+            if (wait > 0) {
+                waited = true;
+                clock.park(wait);
+                runErrands();
+            } else if (begin(frame() + 1)) {
+                if (waited) {
+                    pacer.start();
+                }
+                return true;
+            }
         }
-        if (paused) {
-            pacer.start();
+        return false;
+    }
+
+    /** How long a frame may not begin yet, at most until looked at again [ns]. */
+    private long nanosecondsHeld(long frame) {
+        if (lastAllowed.get() < frame) {
+            gate.paused();
+            return PAUSE_NANOSECONDS;
         }
-        return isWanted();
+        return gate.nanosecondsToWait(frame, clock.nanoTime());
     }
 
     /** Begins a frame unless paused; whoever pauses meanwhile learns of it, or stops it. */

@@ -39,6 +39,7 @@ final class AgentRoom implements AutoCloseable {
     private static final Parameter IMPULSE = Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
 
     final World world = new World("pond", WorldPrototype.standard("si-f64"), new OffHeapArena());
+    final FrameBus bus = new FrameBus();
     final CommandQueue commands;
     final FrameLoop loop;
     final AgentServer server;
@@ -58,7 +59,6 @@ final class AgentRoom implements AutoCloseable {
     AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity, List<ItemDefinition> items)
             throws IOException {
         items.forEach(world::add);
-        var bus = new FrameBus();
         commands = new CommandQueue(commandCapacity);
         commands.subscribeTo(bus);
         DerivedColumns.subscribeTo(bus);
@@ -92,8 +92,8 @@ final class AgentRoom implements AutoCloseable {
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
         return new AgentServerConfig(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 1024, 8192, hello,
-                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofMillis(500), 4, 64, 64 * 1024, 8, Optional.empty(),
-                AgentSecurity.NONE);
+                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofSeconds(10), Duration.ofMillis(500), 4, 64,
+                64 * 1024, 8, Optional.empty(), AgentSecurity.NONE);
     }
 
     /** One frame. */

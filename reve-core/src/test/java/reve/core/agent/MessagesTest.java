@@ -163,6 +163,7 @@ class MessagesTest {
                 if (hello.graceSeconds() > 0) {
                     json.put("graceSeconds", hello.graceSeconds());
                 }
+                hello.lockStep().ifPresent(lockStep -> putTime(json.putObject("time"), lockStep));
                 hello.resume().ifPresent(resume -> json.putObject("resume")
                         .put("session", resume.session()).put("frame", resume.frame()));
                 hello.token().ifPresent(token -> json.put("token", token));
@@ -175,8 +176,15 @@ class MessagesTest {
                     json.put("relations", true);
                 }
             }
-            case ClientMessage.Act act -> json.put("item", act.item()).put("action", act.action())
-                    .set("arguments", JSON.valueToTree(act.arguments()));
+            case ClientMessage.Act act -> {
+                json.put("item", act.item()).put("action", act.action())
+                        .set("arguments", JSON.valueToTree(act.arguments()));
+                act.ready().ifPresent(ready -> {
+                    json.put("ready", true);
+                    ready.frame().ifPresent(frame -> json.put("frame", frame));
+                });
+            }
+            case ClientMessage.Ready ready -> ready.frame().ifPresent(frame -> json.put("frame", frame));
             case ClientMessage.Step step -> json.put("frames", step.frames());
             case ClientMessage.LoadLaw load -> json.put("library", load.library())
                     .set("parameters", JSON.valueToTree(load.parameters()));
@@ -196,6 +204,24 @@ class MessagesTest {
         return JSON.readTree(json.toString());
     }
 
+    private static void putTime(ObjectNode json, ClientMessage.LockStep time) {
+        json.put("mode", "lock-step");
+        if (time.every() != 1) {
+            json.put("every", time.every());
+        }
+        if (time.relations()) {
+            json.put("relations", true);
+        }
+        if (time.deadlineSeconds() != 1) {
+            json.put("deadline", time.deadlineSeconds());
+        }
+        time.fallback().ifPresent(fallback -> {
+            ObjectNode act = json.putObject("fallback");
+            fallback.item().ifPresent(item -> act.put("item", item));
+            act.put("action", fallback.action()).set("arguments", JSON.valueToTree(fallback.arguments()));
+        });
+    }
+
     /** The server's message with those values. */
     private static ServerMessage message(JsonNode json) {
         long id = json.path("id").asLong(ClientMessage.NO_ID);
@@ -205,6 +231,8 @@ class MessagesTest {
                     json.optional("body").map(JsonNode::stringValue), text(json, "world"),
                     json.get("frame").longValue(), json.get("rate").intValue(),
                     Encoding.of(json.path("encoding").asString("json")).orElseThrow(),
+                    json.optional("time").map(time -> new ServerMessage.Rhythm(time.get("every").intValue(),
+                            time.get("deadline").doubleValue())),
                     json.optional("session").map(session -> new ServerMessage.Ticket(text(session, "token"),
                             session.get("graceSeconds").doubleValue())), json.has("resumed"),
                     new ServerMessage.Limits(json.at("/limits/lineBytes").intValue(),

@@ -1,0 +1,27 @@
+package reve.agent;
+
+import java.util.Map;
+import java.util.Optional;
+
+/**
+ * An action of an item, with its arguments.
+ *
+ * @param item empty for the agent's own body, whatever its name is
+ * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a Boolean, in the units
+ *     that the action declares
+ */
+public record Act(Optional<String> item, String action, Map<String, ?> arguments) {
+
+    public Act {
+        arguments = Map.copyOf(arguments);
+    }
+
+    public static Act of(String item, String action, Map<String, ?> arguments) {
+        return new Act(Optional.of(item), action, arguments);
+    }
+
+    /** An action of the agent's own body. */
+    public static Act ofBody(String action, Map<String, ?> arguments) {
+        return new Act(Optional.empty(), action, arguments);
+    }
+}

@@ -1,0 +1,115 @@
+package reve.core.agent;
+
+import java.util.Arrays;
+import java.util.function.Consumer;
+import reve.core.frame.FrameGate;
+
+/**
+ * Holds the world until all agents in lock-step are ready whose round it is, or their deadlines have passed. All are
+ * waited for at once, from the moment when the world could go on; nobody is late before the world goes on without it.
+ */
+final class LockStep implements FrameGate {
+
+    private static final Turn[] NOBODY = {};
+    private static final long NO_FRAME = -1;
+
+    private final Runnable wake;
+    private final Consumer<AgentInput.Late> late;
+
+    /** Never changed, only replaced, with this held. */
+    private volatile Turn[] turns = NOBODY;
+    /** The frame that is held, {@link #NO_FRAME} if none is. */
+    private volatile long held = NO_FRAME;
+    /** Loop's thread: the frame that is due, and since when. */
+    private long due = NO_FRAME;
+    private long dueSinceNanos;
+
+    /**
+     * @param wake has the loop ask again
+     * @param late told who missed its deadline, on the loop's thread
+     */
+    LockStep(Runnable wake, Consumer<AgentInput.Late> late) {
+        this.wake = wake;
+        this.late = late;
+    }
+
+    // ---- any thread ----
+
+    /** An agent is in the world: from now on it is waited for. */
+    synchronized void add(Turn turn) {
+        if (turn.hasLeft()) {
+            return;
+        }
+        Turn[] grown = Arrays.copyOf(turns, turns.length + 1);
+        grown[turns.length] = turn;
+        turns = grown;
+    }
+
+    /** An agent leaves. Does nothing if it is not there. */
+    void remove(Turn turn) {
+        synchronized (this) {
+            turn.leave();
+            turns = Arrays.stream(turns).filter(other -> other != turn).toArray(Turn[]::new);
+        }
+        changed();
+    }
+
+    /** Some agent may be ready. Wakes the loop only if nobody else is missing. */
+    void changed() {
+        long frame = held;
+        if (frame == NO_FRAME) {
+            return;
+        }
+        for (Turn turn : turns) {
+            if (turn.isAwaited(frame - 1)) {
+                return;
+            }
+        }
+        wake.run();
+    }
+
+    // ---- loop's thread ----
+
+    @Override
+    public long nanosecondsToWait(long frame, long nowNanoseconds) {
+        if (due != frame) {
+            due = frame;
+            dueSinceNanos = nowNanoseconds;
+        }
+        held = frame; // before we look: who is ready from now on wakes us
+        long wait = 0;
+        for (Turn turn : turns) {
+            turn.takeBack(frame);
+            if (turn.isAwaited(frame - 1)) {
+                wait = Math.max(wait, dueSinceNanos + turn.deadlineNanos() - nowNanoseconds);
+            }
+        }
+        if (wait <= 0) {
+            held = NO_FRAME;
+            goOnWithout(frame);
+        }
+        return wait;
+    }
+
+    private void goOnWithout(long frame) {
+        for (Turn turn : turns) {
+            if (turn.miss(frame - 1)) {
+                late.accept(turn.late());
+            }
+        }
+    }
+
+    @Override
+    public void paused() {
+        due = NO_FRAME;
+        held = NO_FRAME;
+    }
+
+    @Override
+    public void continuesAfter(long frame) {
+        due = NO_FRAME;
+        for (Turn turn : turns) {
+            turn.restart(frame);
+        }
+    }
+}

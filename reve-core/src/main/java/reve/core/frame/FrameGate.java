@@ -1,0 +1,37 @@
+package reve.core.frame;
+
+/**
+ * Keeps a frame loop from beginning its next frame for a while. Called on the loop's thread,
+ * between frames; must not block.
+ */
+public interface FrameGate {
+
+    /** Holds nothing. */
+    FrameGate OPEN = new FrameGate() {
+        @Override
+        public long nanosecondsToWait(long frame, long nowNanoseconds) {
+            return 0;
+        }
+
+        @Override
+        public void paused() {}
+
+        @Override
+        public void continuesAfter(long frame) {}
+    };
+
+    /**
+     * Whether a frame may begin that is due.
+     *
+     * @param nowNanoseconds what the loop's clock shows
+     * @return 0 or less if it may, else the time after which to ask again [ns], sooner if the loop
+     *     is woken up ({@link FrameLoop#wake})
+     */
+    long nanosecondsToWait(long frame, long nowNanoseconds);
+
+    /** The loop is paused: time that was waited until now counts no more. */
+    void paused();
+
+    /** The world has become that of another frame, see {@link FrameLoop#continueAfter}. */
+    void continuesAfter(long frame);
+}

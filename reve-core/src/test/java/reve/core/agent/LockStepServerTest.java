@@ -1,0 +1,289 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Random;
+import java.util.concurrent.CopyOnWriteArrayList;
+import java.util.concurrent.locks.LockSupport;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import reve.core.frame.FramePhase;
+import reve.core.world.World;
+import tools.jackson.databind.JsonNode;
+
+/** Agents that a world waits for, over the wire; the world runs as fast as it may. */
+class LockStepServerTest {
+
+    private static final String HELLO = "{'t':'hello','protocol':1,'name':'%s','time':{'mode':'lock-step'%s}}";
+    private static final String WIND_UP = "{'t':'act','id':%d,'item':'duck','action':'wind-up','ready':true}";
+    private static final int FRAMES = 1000;
+
+    private AgentRoom room;
+    private Thread loop;
+
+    @BeforeEach
+    void open() throws IOException {
+        room = new AgentRoom();
+    }
+
+    @AfterEach
+    void close() throws InterruptedException {
+        room.server.close();
+        if (loop != null) {
+            room.loop.stop();
+            loop.join();
+        }
+    }
+
+    /** An agent that has joined before the world runs, and has been told what it perceives. */
+    private TestClient join(String name, String time) throws IOException {
+        TestClient client = room.connect().say(HELLO.formatted(name, time)).sync();
+        room.step();
+        client.expect("welcome");
+        assertThat(client.expect("event").at("/fields/agent").stringValue()).isEqualTo(name);
+        JsonNode perception = client.expect("perception");
+        assertThat(perception.get("frame").longValue()).isEqualTo(room.loop.frame());
+        assertThat(perception.has("items")).isTrue();
+        return client;
+    }
+
+    private void run() {
+        loop = new Thread(room.loop::run, "world");
+        loop.start();
+    }
+
+    @Test
+    void theWelcomeSaysTheRhythmAndTheDeadlineThatTheServerGrants() throws IOException {
+        try (TestClient ada = room.connect().say(HELLO.formatted("ada", ",'every':3,'deadline':1000")).sync()) {
+            room.step();
+            assertThat(ada.expect("welcome").get("time")).isEqualTo(
+                    TestClient.json("{'mode':'lock-step','every':3,'deadline':10.0}"));
+        }
+    }
+
+    @Test
+    void whoIsReadyGetsTheNextPerceptionWithoutAskingForIt() throws IOException {
+        try (TestClient ada = join("ada", "")) {
+            run();
+            for (long frame = 2; frame < 100; frame++) {
+                ada.say("{'t':'ready'}");
+                JsonNode perception = ada.expect("perception");
+                assertThat(perception.get("frame").longValue()).isEqualTo(frame);
+                assertThat(perception.get("since").longValue()).isEqualTo(frame - 1);
+            }
+            assertThat(room.loop.frame()).isEqualTo(99);
+        }
+    }
+
+    @Test
+    void anActThatSaysReadyIsDoneInTheNextFrameAndItsResultComesFirst() throws IOException {
+        try (TestClient ada = join("ada", "")) {
+            run();
+            for (int frame = 2; frame < 50; frame++) {
+                ada.say(WIND_UP.formatted(frame));
+                assertThat(ada.expect("result")).isEqualTo(TestClient.json(
+                        "{'t':'result','id':%d,'accepted':true,'frame':%d}".formatted(frame, frame)));
+                assertThat(ada.expect("event").get("type").stringValue()).isEqualTo("acted");
+                assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(frame);
+            }
+        }
+    }
+
+    @Test
+    void roundsOfSeveralFramesPassWithoutWaiting() throws IOException {
+        try (TestClient ada = join("ada", ",'every':3")) {
+            run();
+            for (long frame = 4; frame < 100; frame += 3) {
+                ada.say("{'t':'ready','frame':" + (frame - 3) + "}");
+                assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(frame);
+            }
+        }
+    }
+
+    @Test
+    void relationsAreToldToWhoWantsThem() throws IOException {
+        try (TestClient ada = room.connect().say(HELLO.formatted("ada", ",'relations':true")).sync()) {
+            room.step();
+            assertThat(ada.skipTo("perception").at("/items/0/symbols/near").isArray()).isTrue();
+        }
+    }
+
+    @Test
+    void everybodyHearsWhoIsLateAndItsFallbackIsDoneInTheNextFrame() throws IOException {
+        try (TestClient ada = join("ada", ",'deadline':0.02,'fallback':{'item':'duck','action':'push',"
+                + "'arguments':{'impulse':[2,0,0]}}");
+                TestClient eye = room.connect()) {
+            eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
+            run();
+            for (TestClient client : List.of(ada, eye)) {
+                JsonNode late = client.expect("event");
+                assertThat(late).isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'late',"
+                        + "'fields':{'agent':'ada','body':'ada','count':1}}"));
+                assertThat(client.expect("event")).isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'acted',"
+                        + "'fields':{'agent':'ada','item':'duck','action':'push'}}"));
+            }
+            assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(2);
+            assertThat(ada.expect("event").at("/fields/count").longValue()).isEqualTo(2);
+        }
+    }
+
+    @Test
+    void aFallbackThatCannotBeDoneChangesNothingElse() throws IOException {
+        try (TestClient ada = join("ada", ",'deadline':0,'fallback':{'action':'swim'}")) {
+            run();
+            assertThat(ada.expect("event").get("type").stringValue()).isEqualTo("late");
+            assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(2);
+        }
+    }
+
+    @Test
+    void whoLeavesOrBreaksOffIsNotWaitedFor() throws IOException {
+        try (TestClient ada = join("ada", ",'deadline':10"); TestClient bob = join("bob", ",'deadline':10");
+                TestClient cleo = join("cleo", ",'deadline':10")) {
+            ada.expect("event"); // bob joined
+            ada.expect("perception");
+            ada.expect("event"); // cleo joined
+            ada.expect("perception");
+            ada.say("{'t':'ready','frame':3}").sync();
+            run();
+            bob.say("{'t':'bye'}");
+            cleo.socket.setSoLinger(true, 0);
+            cleo.socket.close();
+            JsonNode perception = ada.skipTo("perception");
+            assertThat(perception.get("frame").longValue()).isEqualTo(4);
+        }
+    }
+
+    @Test
+    void whoComesBackPerceivesTheNextFrameAndIsWaitedForAgain() throws IOException {
+        TestClient ada = room.connect().say(HELLO.formatted("ada", "}, 'graceSeconds': 60, 'x': {")).sync();
+        room.step();
+        JsonNode welcome = ada.expect("welcome");
+        try (TestClient again = room.connect()) {
+            run();
+            again.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
+                    + welcome.at("/session/token").stringValue() + "','frame':1}}").expect("welcome");
+            long frame = again.skipTo("perception").get("frame").longValue();
+            assertThat(frame).isEqualTo(2);
+            again.say("{'t':'ready','frame':2}");
+            assertThat(again.expect("perception").get("frame").longValue()).isEqualTo(3);
+            assertThat(room.loop.frame()).isEqualTo(3);
+        }
+        ada.close();
+    }
+
+    @Test
+    void aWorldThatWaitsIsPausedSteppedAndEndedAtOnce() throws IOException, InterruptedException {
+        try (TestClient ada = join("ada", ",'deadline':10"); TestClient boss = room.connect()) {
+            boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
+            run();
+            boss.say("{'t':'pause','id':1}");
+            assertThat(boss.expect("result").get("frame").longValue()).isEqualTo(1);
+            ada.say("{'t':'ready'}").sync();
+            boss.say("{'t':'step','id':2}");
+            assertThat(boss.expect("result").get("frame").longValue()).isEqualTo(2);
+            assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(2);
+            boss.say("{'t':'run','id':3}").expect("result");
+            boss.say("{'t':'shut-down','id':4}").expect("result");
+            loop.join();
+            assertThat(room.loop.frame()).isEqualTo(2);
+        }
+    }
+
+    @Test
+    void aServerThatEndsHoldsNothing() throws IOException, InterruptedException {
+        try (TestClient ada = join("ada", ",'deadline':10")) {
+            run();
+            room.server.close();
+            ada.skipToBye("closing");
+            while (room.loop.frame() < 100) {
+                Thread.onSpinWait();
+            }
+        }
+    }
+
+    @Test
+    void agentsInRealTimeAreNotWaitedForAndPerceiveTheSameFrames() throws IOException {
+        try (TestClient bob = room.join("bob"); TestClient ada = join("ada", "")) {
+            bob.say("{'t':'perceive','every':2}").sync();
+            run();
+            bob.expect("event"); // ada joined
+            for (long frame = 3; frame < 20; frame++) {
+                ada.say("{'t':'ready'}");
+                assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(frame);
+                if (frame % 2 == 1) {
+                    assertThat(bob.expect("perception").get("frame").longValue()).isEqualTo(frame);
+                }
+            }
+        }
+    }
+
+    @Test
+    void whoIsNotInLockStepCannotBeReady() throws IOException {
+        try (TestClient ada = room.join("ada")) {
+            ada.say("{'t':'ready'}").expect("error", "not-lock-step");
+            ada.say(WIND_UP.formatted(1));
+            assertThat(ada.expect("error", "not-lock-step").get("id").longValue()).isEqualTo(1);
+        }
+    }
+
+    /** However long each of two agents thinks, the same acts make the same world, frame by frame. */
+    @Test
+    void theSameActsMakeTheSameWorldHoweverLongTheAgentsThink() throws Exception {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("seed of delays: -Dreve.test.seed=" + seed);
+        var random = new Random(seed);
+        List<Long> first = hashes(random.nextLong());
+        close();
+        open();
+        List<Long> second = hashes(random.nextLong());
+        assertThat(first).hasSize(FRAMES);
+        assertThat(second).as("seed %d", seed).isEqualTo(first);
+    }
+
+    /** What two agents make of the duck's velocity, whose rounding tells the order of their acts. */
+    private List<Long> hashes(long seedOfDelays) throws Exception {
+        List<Long> hashes = new CopyOnWriteArrayList<>();
+        try (TestClient ada = room.connect(); TestClient bob = room.connect()) {
+            ada.say(HELLO.formatted("ada", ",'deadline':10")).sync();
+            bob.say(HELLO.formatted("bob", ",'deadline':10")).sync();
+            room.step();
+            room.bus.subscribe(FramePhase.DERIVE, "hashes", event -> hashes.add(hash(event.world())));
+            run();
+            Thread other = Thread.ofVirtual().start(() -> play(bob, 2, seedOfDelays));
+            play(ada, 1, ~seedOfDelays);
+            other.join();
+        }
+        return new ArrayList<>(hashes.subList(0, FRAMES));
+    }
+
+    private static void play(TestClient client, long seedOfActs, long seedOfDelays) {
+        var acts = new Random(seedOfActs);
+        var delays = new Random(seedOfDelays);
+        try {
+            client.skipTo("perception");
+            for (int i = 0; i < FRAMES; i++) {
+                if (delays.nextInt(4) == 0) {
+                    LockSupport.parkNanos(delays.nextInt(200_000));
+                }
+                client.say("{'t':'act','id':%d,'item':'duck','action':'push','arguments':{'impulse':[%s,%s,0]},"
+                        .formatted(i, acts.nextDouble(), acts.nextDouble()) + "'ready':true}");
+                client.skipTo("perception");
+            }
+        } catch (IOException e) {
+            throw new AssertionError(e);
+        }
+    }
+
+    private static long hash(World world) {
+        long hash = 0;
+        for (double speed : world.find("duck").orElseThrow().physics().vector("velocity")) {
+            hash = 31 * hash + Double.doubleToLongBits(speed);
+        }
+        return hash;
+    }
+}

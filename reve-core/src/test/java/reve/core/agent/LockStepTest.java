@@ -1,0 +1,274 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+import org.junit.jupiter.api.Test;
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameClock;
+import reve.core.frame.FrameLoop;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Pacing;
+import reve.core.frame.Timing;
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+/** When a world waits for agents in lock-step, against a small model, on a clock that only moves while it waits. */
+class LockStepTest {
+
+    private static final long MILLISECOND = 1_000_000;
+    private static final int FRAMES = 10_000;
+
+    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final Random random = new Random(seed);
+    private final List<Player> players = new ArrayList<>();
+    private final Map<String, Player> byName = new HashMap<>();
+    private final Clock clock = new Clock();
+    private final FrameBus bus = new FrameBus();
+    private final FrameLoop loop = new FrameLoop(new World("test", WorldPrototype.standard("si-f64"),
+            new OffHeapArena()), bus, Timing.DEFAULT, Pacing.FAST, clock);
+    private final LockStep lockStep = new LockStep(clock::wake, this::heard);
+    private long dueSince;
+    private long longestDeadline;
+
+    /** What is known of one agent without looking at the server. */
+    private static final class Player {
+        private final Turn turn;
+        private final int every;
+        private final long deadlineNanos;
+        private long origin;
+        private long done;
+        private long late;
+        private boolean here = true;
+        private boolean returning;
+
+        Player(String name, int every, long deadlineNanos, long origin) {
+            this.turn = new Turn(name, new ClientMessage.LockStep(every, false, deadlineNanos / 1e9,
+                    Optional.of(new AgentInput.Fallback(Optional.empty(), "brake", Map.of()))), deadlineNanos);
+            this.every = every;
+            this.deadlineNanos = deadlineNanos;
+            this.origin = origin;
+        }
+
+        long roundsBegun(long frame) {
+            return frame < origin ? 0 : (frame - origin) / every + 1;
+        }
+
+        boolean isMissing(long frame) {
+            return here && done < roundsBegun(frame);
+        }
+    }
+
+    /** Moves to the end of a wait, unless something that happens meanwhile ends it. */
+    private final class Clock implements FrameClock {
+        private long now = 1;
+        private boolean woken;
+
+        @Override
+        public long nanoTime() {
+            return now;
+        }
+
+        @Override
+        public void park(long nanoseconds) {
+            if (!loop.isPaused()) {
+                takeBack(loop.frame() + 1); // it has asked the gate just now
+            }
+            long end = now + nanoseconds;
+            while (!woken && now < end) {
+                long next = now + 1 + random.nextLong(4 * MILLISECOND);
+                if (next >= end) {
+                    now = end;
+                } else {
+                    now = next;
+                    happen();
+                }
+            }
+            woken = false;
+        }
+
+        void wake() {
+            woken = true;
+        }
+    }
+
+    private void heard(AgentInput.Late late) {
+        Player player = byName.get(late.agent());
+        player.late++;
+        assertThat(late.count()).isEqualTo(player.late);
+        assertThat(late.fallback()).isPresent();
+        if (player.here) {
+            assertThat(late.told()).isTrue();
+            assertThat(clock.now - dueSince).as("time that %s got", late.agent())
+                    .isGreaterThanOrEqualTo(player.deadlineNanos);
+        }
+        player.done = Math.max(player.done, player.roundsBegun(loop.frame()));
+    }
+
+    /** Something that an agent or an operator does while the world waits; agents also move while it does not. */
+    private void happen() {
+        if (loop.isPaused()) {
+            if (random.nextInt(3) == 0) {
+                loop.resume();
+                dueSince = clock.now;
+                clock.wake();
+            }
+            return;
+        }
+        if (random.nextInt(50) == 0) {
+            loop.pause();
+            clock.wake();
+        } else if (random.nextInt(50) == 0) {
+            loop.betweenFrames(this::rewind);
+            clock.wake();
+        } else if (!players.isEmpty()) {
+            move(players.get(random.nextInt(players.size())));
+            if (players.stream().noneMatch(player -> player.isMissing(loop.frame()))) {
+                assertThat(clock.woken).as("the world goes on at once").isTrue();
+            }
+        }
+    }
+
+    private void rewind() {
+        loop.continueAfter(loop.frame() + 1);
+        for (Player player : players) {
+            player.origin = loop.frame();
+            player.done = 0;
+        }
+        dueSince = clock.now;
+    }
+
+    private void takeBack(long frame) {
+        for (Player player : players) {
+            if (player.returning) {
+                player.returning = false;
+                player.here = true;
+                player.origin = frame;
+                player.done = 0;
+            }
+        }
+    }
+
+    private void move(Player player) {
+        switch (random.nextInt(player.here ? 10 : 30)) {
+            case 0 -> {
+                players.remove(player);
+                lockStep.remove(player.turn);
+            }
+            case 1 -> {
+                player.here = false;
+                player.returning = false;
+                player.turn.breakOff();
+                lockStep.changed();
+            }
+            case 2 -> {
+                player.here = false;
+                player.returning = true;
+                player.turn.comeBack();
+                lockStep.changed();
+            }
+            case 3, 4, 5 -> ready(player, false);
+            default -> ready(player, true);
+        }
+    }
+
+    private void ready(Player player, boolean saysFrame) {
+        if (!player.here) {
+            return;
+        }
+        long frame = random.nextInt(4) == 0 ? random.nextLong(2 * loop.frame() + 1) : loop.frame();
+        if (saysFrame) {
+            player.turn.ready(frame, loop.frame());
+            player.done = frame > loop.frame() ? player.done : Math.max(player.done, player.roundsBegun(frame));
+        } else {
+            player.turn.ready();
+            player.done++;
+        }
+        lockStep.changed();
+    }
+
+    @Test
+    void noFrameComesBeforeAllAreReadyOrLateAndNoneLaterThanTheirDeadlines() {
+        System.out.println("seed of agents in lock-step: -Dreve.test.seed=" + seed);
+        bus.subscribe(FramePhase.INTAKE, "check", event -> {
+            long before = event.frame() - 1;
+            for (Player player : players) {
+                assertThat(player.isMissing(before)).as("seed %d, frame %d", seed, event.frame()).isFalse();
+            }
+            takeBack(event.frame());
+            assertThat(clock.now - dueSince).as("seed %d, wait before frame %d", seed, event.frame())
+                    .isLessThanOrEqualTo(longestDeadline);
+        });
+        bus.subscribe(FramePhase.ACT, "join", event -> {
+            if (players.size() < 5 && random.nextInt(20) == 0) {
+                String name = "agent " + byName.size();
+                var player = new Player(name, 1 + random.nextInt(4), random.nextLong(30 * MILLISECOND),
+                        event.frame());
+                players.add(player);
+                byName.put(name, player);
+                player.turn.begin(event.frame());
+                lockStep.add(player.turn);
+            } else if (!players.isEmpty() && random.nextInt(4) == 0) {
+                move(players.get(random.nextInt(players.size())));
+            }
+        });
+        bus.subscribe(FramePhase.PUBLISH, "due", event -> {
+            dueSince = clock.now;
+            longestDeadline = players.stream().mapToLong(player -> player.deadlineNanos).max().orElse(0);
+        });
+        loop.setGate(lockStep);
+        loop.run(FRAMES);
+        assertThat(byName.values()).anyMatch(player -> player.late > 0).hasSizeGreaterThan(10);
+    }
+
+    @Test
+    void aReadyForARoundThatIsOverDoesNothing() {
+        var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()), MILLISECOND);
+        turn.begin(10);
+        assertThat(turn.isAwaited(9)).isFalse();
+        assertThat(turn.isAwaited(10)).isTrue();
+        turn.ready(10, 10);
+        assertThat(turn.isAwaited(11)).isFalse();
+        assertThat(turn.isAwaited(12)).isTrue();
+        turn.ready(11, 12);
+        turn.ready(14, 12);
+        assertThat(turn.isAwaited(12)).as("by a ready of the last round, or of one to come").isTrue();
+        turn.ready();
+        turn.ready();
+        assertThat(turn.isAwaited(14)).as("said before its time").isFalse();
+    }
+
+    @Test
+    void whoHasLeftBeforeItCameIsNotWaitedFor() {
+        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()), MILLISECOND);
+        turn.begin(1);
+        lockStep.remove(turn);
+        lockStep.add(turn);
+        assertThat(lockStep.nanosecondsToWait(2, 0)).isZero();
+    }
+
+    @Test
+    void ofTheRoundsThatABrokenConnectionCostsTheOthersHearOnce() {
+        var heard = new ArrayList<AgentInput.Late>();
+        var gate = new LockStep(() -> { }, heard::add);
+        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()), MILLISECOND);
+        turn.begin(1);
+        gate.add(turn);
+        turn.breakOff();
+        for (long frame = 2; frame < 5; frame++) {
+            assertThat(gate.nanosecondsToWait(frame, 0)).isZero();
+        }
+        turn.comeBack();
+        assertThat(gate.nanosecondsToWait(5, 0)).isZero();
+        assertThat(gate.nanosecondsToWait(6, 0)).isEqualTo(MILLISECOND);
+        assertThat(gate.nanosecondsToWait(6, MILLISECOND)).isZero();
+        assertThat(heard).extracting(AgentInput.Late::told).containsExactly(true, false, false, true);
+        assertThat(heard).extracting(AgentInput.Late::count).containsExactly(1L, 2L, 3L, 4L);
+    }
+}
