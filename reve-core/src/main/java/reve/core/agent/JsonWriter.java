@@ -1,62 +1,113 @@
 package reve.core.agent;
 
-import tools.jackson.core.JsonGenerator;
+/** Writes JSON (RFC 8259) without a space. */
+final class JsonWriter implements MessageWriter {
 
-/** Writes JSON. */
-record JsonWriter(JsonGenerator json) implements MessageWriter {
+    private static final String HEX = "0123456789abcdef";
+
+    private final Bytes out;
+    /** True behind a value: another one follows behind a comma. */
+    private boolean behindValue;
+
+    JsonWriter(Bytes out) {
+        this.out = out;
+    }
 
     @Override
     public void beginMap(int fields) {
-        json.writeStartObject();
+        begin('{');
     }
 
     @Override
     public void endMap() {
-        json.writeEndObject();
+        end('}');
     }
 
     @Override
     public void beginList(int values) {
-        json.writeStartArray();
+        begin('[');
     }
 
     @Override
     public void endList() {
-        json.writeEndArray();
+        end(']');
     }
 
     @Override
     public void key(String name) {
-        json.writeName(name);
+        text(name);
+        out.put(':');
+        behindValue = false;
     }
 
     @Override
     public void text(String text) {
-        json.writeString(text);
+        beginValue();
+        out.put('"');
+        int written = 0;
+        for (int i = 0; i < text.length(); i++) {
+            char c = text.charAt(i);
+            if (c < ' ' || c == '"' || c == '\\') {
+                out.put(text.substring(written, i));
+                escape(c);
+                written = i + 1;
+            }
+        }
+        out.put(written == 0 ? text : text.substring(written)).put('"');
     }
 
     @Override
     public void truth(boolean truth) {
-        json.writeBoolean(truth);
+        beginValue();
+        out.put(truth ? "true" : "false");
     }
 
     @Override
     public void integer(long number) {
-        json.writeNumber(number);
+        beginValue();
+        out.put(Long.toString(number));
     }
 
     @Override
     public void number(double number) {
-        json.writeNumber(number);
+        beginValue();
+        out.put(Double.toString(number));
     }
 
     @Override
-    public void fragment(Fragment fragment) {
-        json.writeRawValue(fragment.json());
+    public void encoded(byte[] value) {
+        beginValue();
+        out.put(value);
     }
 
     @Override
-    public void numbers(double[] numbers, int first, int count) {
-        json.writeArray(numbers, first, count);
+    public Encoding encoding() {
+        return Encoding.JSON;
+    }
+
+    private void escape(char c) {
+        if (c < ' ') {
+            out.put("\\u00").put(HEX.charAt(c >> 4)).put(HEX.charAt(c & 0xf));
+        } else {
+            out.put('\\').put(c);
+        }
+    }
+
+    private void begin(char bracket) {
+        beginValue();
+        out.put(bracket);
+        behindValue = false;
+    }
+
+    private void end(char bracket) {
+        out.put(bracket);
+        behindValue = true;
+    }
+
+    private void beginValue() {
+        if (behindValue) {
+            out.put(',');
+        }
+        behindValue = true;
     }
 }

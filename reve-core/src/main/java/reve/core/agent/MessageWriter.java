@@ -29,7 +29,14 @@ interface MessageWriter {
     void number(double number);
 
     /** A value that was encoded before. */
-    void fragment(Fragment fragment);
+    void encoded(byte[] value);
+
+    Encoding encoding();
+
+    /** A value that many messages hold. */
+    default void fragment(Fragment fragment) {
+        encoded(fragment.in(encoding()));
+    }
 
     /** {@code count} numbers from {@code first} on. */
     default void numbers(double[] numbers, int first, int count) {

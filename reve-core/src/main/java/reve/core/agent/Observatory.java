@@ -3,6 +3,8 @@ package reve.core.agent;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.Collections;
 import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
@@ -52,6 +54,8 @@ final class Observatory {
     private long[] ids = {};
     private long[] places = {};
     private boolean indexed;
+    private Seen[] gathered = {};
+    private int gatheredCount;
     private final BoxIndex index = new BoxIndex();
 
     /** Reads a frame. @return false if the snapshot was lost meanwhile; then nothing here is to be used */
@@ -188,40 +192,51 @@ final class Observatory {
     List<Seen> sense(Sensor sensor, ItemId body) {
         int eye = everything.indexOf(body);
         Seen[] shown = sensed.computeIfAbsent(Shown.by(sensor), unknown -> new Seen[items.length]);
-        var sensedNow = new ArrayList<Seen>();
+        gatheredCount = 0;
         if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited() || Double.isInfinite(sensor.range())) {
             for (int i = 0; i < items.length; i++) {
-                add(sensedNow, sensor, eye, i, shown);
+                add(sensor, eye, i, shown);
             }
-            return sensedNow;
+            return gathered();
         }
         lookAround(sensor, rows[eye]);
         boolean itself = false;
         for (int k = 0; k < found.size(); k++) {
             int i = (int) found.key(k);
             if (i > eye && !itself) {
-                sensedNow.add(seen[eye]);
+                gather(seen[eye]);
                 itself = true;
             }
             itself |= i == eye;
-            add(sensedNow, sensor, eye, i, shown);
+            add(sensor, eye, i, shown);
         }
         if (!itself) {
-            sensedNow.add(seen[eye]);
+            gather(seen[eye]);
         }
-        return sensedNow;
+        return gathered();
     }
 
-    private void add(List<Seen> sensedNow, Sensor sensor, int eye, int i, Seen[] shown) {
+    private List<Seen> gathered() {
+        return Collections.unmodifiableList(Arrays.asList(Arrays.copyOf(gathered, gatheredCount)));
+    }
+
+    private void gather(Seen item) {
+        if (gatheredCount == gathered.length) {
+            gathered = Arrays.copyOf(gathered, Math.max(64, 2 * gatheredCount));
+        }
+        gathered[gatheredCount++] = item;
+    }
+
+    private void add(Sensor sensor, int eye, int i, Seen[] shown) {
         if (i == eye) {
-            sensedNow.add(seen[i]);
+            gather(seen[i]);
         } else if (senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i])) {
             Seen known = shown[i];
             if (known == null || known.item() != seen[i].item() || known.place() != seen[i].place()) {
                 known = new Seen(seen[i].item(), seen[i].place(), Shown.by(sensor), Map.of());
                 shown[i] = known;
             }
-            sensedNow.add(known);
+            gather(known);
         }
     }
 

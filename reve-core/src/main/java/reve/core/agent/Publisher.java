@@ -172,8 +172,12 @@ final class Publisher {
     /** Whether anybody perceives a frame, or has to be able to perceive what events are about. */
     private boolean isWanted(WorldSnapshot snapshot, boolean news) {
         long frame = snapshot.frame();
-        return members.stream().anyMatch(member -> member.perceptions().isDue(frame)
-                || news && member.hasSensors());
+        for (Session member : members) {
+            if (member.perceptions().isDue(frame) || news && member.hasSensors()) {
+                return true;
+            }
+        }
+        return false;
     }
 
     private void tell(WorldEvent event) {

@@ -93,7 +93,11 @@ final class Seen {
 
     private boolean hasOtherSymbols(Seen before) {
         return shown.has(Aspect.SEMANTIC) && (!relations.equals(before.relations) || item != before.item
-                && !item.symbols(shown.symbols()).json().equals(before.item.symbols(shown.symbols()).json()));
+                && !Arrays.equals(symbols(), before.symbols()));
+    }
+
+    private byte[] symbols() {
+        return item.symbols(shown.symbols()).in(Encoding.JSON);
     }
 
     private boolean hasOtherActions(Seen before) {

@@ -41,7 +41,7 @@ final class Senses {
         if (all.frame() == view.frame()) {
             return view;
         }
-        var current = new ArrayList<Sample>();
+        var current = new ArrayList<Sample>(sensors.size());
         for (Sensor sensor : sensors) {
             Sample before = samples.get(sensor.name());
             boolean due = before == null || all.frame() < before.frame
@@ -57,7 +57,7 @@ final class Senses {
     /** Of an item that several sensors sense, the newest is shown, with what all of them show. */
     private static List<Seen> merge(List<Sample> samples) {
         if (samples.size() == 1) {
-            return List.copyOf(samples.getFirst().items);
+            return samples.getFirst().items;
         }
         var newest = new TreeMap<ItemId, Sample>();
         var merged = new TreeMap<ItemId, Seen>();

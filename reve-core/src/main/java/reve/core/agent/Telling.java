@@ -9,6 +9,7 @@ import org.jspecify.annotations.Nullable;
 final class Telling {
 
     private final Map<View, Map<Encoding, View.Told>> since = new IdentityHashMap<>();
+    private final Bytes scratch = new Bytes();
     private @Nullable View shared;
 
     /** A frame begins. @param everything what all agents without sensors perceive */
@@ -18,12 +19,13 @@ final class Telling {
     }
 
     View.Told whole(View view, Encoding encoding) {
-        return view == shared ? of(view).computeIfAbsent(encoding, view::whole) : view.whole(encoding);
+        return view == shared ? of(view).computeIfAbsent(encoding, e -> view.whole(e, scratch))
+                : view.whole(encoding, scratch);
     }
 
     View.Told since(View before, View now, Encoding encoding) {
-        return now == shared ? of(before).computeIfAbsent(encoding, e -> now.since(before, e))
-                : now.since(before, encoding);
+        return now == shared ? of(before).computeIfAbsent(encoding, e -> now.since(before, e, scratch))
+                : now.since(before, encoding, scratch);
     }
 
     /** The whole of the shared view is kept under the view itself, a difference under what it is to. */

@@ -38,9 +38,9 @@ record View(long frame, double time, List<Seen> items) {
         return items.stream().anyMatch(seen -> seen.name().equals(name));
     }
 
-    /** All of it. */
-    Told whole(Encoding encoding) {
-        return new Told(3, encoding.fields(3, writer -> {
+    /** All of it. @param scratch memory to write in */
+    Told whole(Encoding encoding, Bytes scratch) {
+        return new Told(3, encoding.fields(scratch, writer -> {
             writeTime(writer);
             writer.key("items");
             writer.beginList(items.size());
@@ -49,11 +49,11 @@ record View(long frame, double time, List<Seen> items) {
         }));
     }
 
-    /** What is different from what was told before. */
-    Told since(View before, Encoding encoding) {
+    /** What is different from what was told before. @param scratch memory to write in */
+    Told since(View before, Encoding encoding, Bytes scratch) {
         var difference = new Difference(before.items, items);
         int fields = 3 + difference.lists();
-        return new Told(fields, encoding.fields(fields, writer -> {
+        return new Told(fields, encoding.fields(scratch, writer -> {
             writeTime(writer);
             writer.key("since");
             writer.integer(before.frame);
@@ -75,9 +75,9 @@ record View(long frame, double time, List<Seen> items) {
     /** Two lists in the order of ids, merged. */
     private static final class Difference {
 
-        private final List<Seen> entered = new ArrayList<>();
+        private final List<Seen> entered = new ArrayList<>(0);
         private final List<Fragment> changed = new ArrayList<>();
-        private final List<String> left = new ArrayList<>();
+        private final List<String> left = new ArrayList<>(0);
 
         Difference(List<Seen> before, List<Seen> now) {
             int old = 0;

@@ -40,7 +40,7 @@ class ObservatoryTest {
                 assertThat(observatory.read(snapshot)).isTrue();
                 View view = relations ? observatory.withRelations(observatory.everything(), snapshot).orElseThrow()
                         : observatory.everything();
-                byte[] fields = view.whole(Encoding.JSON).bytes();
+                byte[] fields = view.whole(Encoding.JSON, new Bytes()).bytes();
                 return Json.MAPPER.readTree("{" + new String(fields, StandardCharsets.UTF_8))
                         .get("items");
             }
