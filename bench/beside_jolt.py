@@ -56,6 +56,12 @@ def sample(commands, rounds):
     return samples
 
 
+def quartiles(values):
+    if len(values) == 1:
+        return values * 3
+    return statistics.quantiles(values, n=4, method="inclusive")
+
+
 def table_rows(samples, digits=0, largest=None):
     """Median and quartiles of the frames per second of processor time of each; the first is the peer
     that the others are compared with. `largest`: a share whose largest of all rounds is shown too."""
@@ -64,7 +70,7 @@ def table_rows(samples, digits=0, largest=None):
     peer = statistics.median(next(iter(speeds.values())))
     rows = ""
     for name, values in speeds.items():
-        low, middle, high = statistics.quantiles(values, n=4, method="inclusive")
+        low, middle, high = quartiles(values)
         rows += (f"| {name} | {middle:.{digits}f} ({low:.{digits}f} to {high:.{digits}f}) | "
                  f"{middle / peer:.2f} |")
         if largest:
