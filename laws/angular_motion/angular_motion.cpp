@@ -56,6 +56,7 @@ struct AngularMotion {
   static constexpr auto kName = "angular_motion", kVersion = "1.0.0";
   static constexpr auto kDoc = "Turns bodies by their torques; inertia 0 does not turn.";
   static constexpr auto kPhase = Phase::kIntegrate;
+  static constexpr uint32_t kFirstStage = 1;
   static constexpr uint32_t kClaims = kTranslation | kRotation;
 
   Read<Vec3<Real>> inertia{"inertia", "body", units::kilogram_metre_squared};
@@ -66,7 +67,6 @@ struct AngularMotion {
   auto Properties() { return std::tie(inertia, torque, angular_velocity, orientation); }
 
   void Advance(const Step& step) {
-    if (step.stage == 0) return;  // no torques yet
     step.ParallelFor(inertia.size(), kGrain, [&](uint64_t begin, uint64_t end) {
       for (uint64_t i = begin; i < end; ++i) {
         const Vec3<Real> moments = inertia[i];

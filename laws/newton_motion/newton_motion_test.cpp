@@ -70,6 +70,28 @@ TYPED_TEST(NewtonMotionTest, MassZeroNeverMoves) {
   EXPECT_EQ(scene.velocity, velocity);
 }
 
+// More bodies than move at once, all movable or with immovable ones in between.
+TYPED_TEST(NewtonMotionTest, ManyBodiesMoveToTheBitAsEachOneAlone) {
+  const uint32_t seed = 17, bodies = 10000;
+  for (const uint32_t movable_before : {bodies, 9950u, 64u, 7u}) {
+    auto scene = RandomNetwork<TypeParam>(bodies, seed);
+    for (uint32_t i = 0; i < bodies; ++i) scene.mass[i] = i % (movable_before + 1) == 7 ? 0 : 1 + i;
+    for (uint32_t i = 0; i < 3 * bodies; ++i) scene.applied_force[i] = TypeParam(i % 13) - 6;
+    auto expected = scene;
+    const TypeParam dt = TypeParam(1) / 16;
+    for (uint32_t i = 0; i < 3 * bodies; ++i) {
+      if (scene.mass[i / 3] == 0) continue;
+      expected.velocity[i] += expected.applied_force[i] * (1 / expected.mass[i / 3]) * dt;
+      expected.position[i] += expected.velocity[i] * dt;
+    }
+    PhysicsEngine engine = scene.MakeEngine(2);
+    engine.LoadPhysicsLaw("newton_motion");
+    engine.Advance(1.0 / 16);
+    EXPECT_EQ(scene.velocity, expected.velocity) << movable_before << ", seed " << seed;
+    EXPECT_EQ(scene.position, expected.position) << movable_before << ", seed " << seed;
+  }
+}
+
 TYPED_TEST(NewtonMotionTest, AccelerationIsForceOverMassAndZeroForMassZero) {
   Scene<TypeParam> scene;
   scene.AddBody(4, {0, 0, 0});

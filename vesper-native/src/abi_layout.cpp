@@ -129,6 +129,8 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_law_desc, potential_energy),
     FIELD(vesper_law_desc, synchronize),
     FIELD(vesper_law_desc, force_weights),
+    FIELD(vesper_law_desc, first_stage),
+    FIELD(vesper_law_desc, reserved1),
 
     STRUCT(vesper_field_desc),
     FIELD(vesper_field_desc, struct_size),

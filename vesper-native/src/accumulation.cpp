@@ -6,8 +6,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "column_passes.hpp"
 #include "failure.hpp"
-#include "kernels.hpp"
 #include "unit.hpp"
 
 namespace vesper {
@@ -30,16 +30,21 @@ const std::byte* Accumulation::Initial() const {
 
 bool Accumulation::InPlace() const { return shares_.size() == 1 && Initial() == nullptr; }
 
-void Accumulation::Sum() const {
+void Accumulation::Sum(ThreadPool& pool) const {
   if (InPlace()) return;
   const uint64_t count =
       columns_[property_].arrays.row_count * columns_.spec(property_).components;
-  for (uint64_t first = 0; first < count; first += kBlock) {
-    SumBlock(first, std::min(kBlock, count - first));
-  }
+  const uint64_t bad = FindFirst(pool, count, [this](uint64_t begin, uint64_t end) {
+    for (uint64_t first = begin; first < end; first += kBlock) {
+      const uint64_t found = SumBlock(first, std::min(kBlock, end - first));
+      if (found != kNotFound) return found;
+    }
+    return kNotFound;
+  });
+  if (bad != kNotFound) Blame(bad);
 }
 
-void Accumulation::SumBlock(uint64_t first, uint64_t count) const {
+uint64_t Accumulation::SumBlock(uint64_t first, uint64_t count) const {
   const vesper_scalar_type type = columns_.spec(property_).type;
   const size_t offset = first * ScalarSize(type);
   std::byte* total = columns_[property_].data() + offset;
@@ -50,7 +55,7 @@ void Accumulation::SumBlock(uint64_t first, uint64_t count) const {
   }
   for (const Share& share : shares_) Add(type, total, share.use->share.data() + offset, count);
   const uint64_t bad = FindNonFinite(type, total, count);
-  if (bad != kNotFound) Blame(first + bad);
+  return bad == kNotFound ? kNotFound : first + bad;
 }
 
 void Accumulation::Blame(uint64_t value) const {

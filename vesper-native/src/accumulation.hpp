@@ -6,6 +6,7 @@
 
 #include "columns.hpp"
 #include "law_library.hpp"
+#include "thread_pool.hpp"
 
 namespace vesper {
 
@@ -23,7 +24,7 @@ class Accumulation {
   bool InPlace() const;
   /// Writes the total. Throws LAW_MISBEHAVED if it is not finite, naming the law whose share
   /// made it so, or INVALID_ARGUMENT if what it starts from is not.
-  void Sum() const;
+  void Sum(ThreadPool& pool) const;
 
  private:
   struct Share {
@@ -33,7 +34,8 @@ class Accumulation {
   };
 
   const std::byte* Initial() const;
-  void SumBlock(uint64_t first, uint64_t count) const;
+  /// The first value of the block that is not finite, or kNotFound.
+  uint64_t SumBlock(uint64_t first, uint64_t count) const;
   [[noreturn]] void Blame(uint64_t value) const;
 
   const Columns& columns_;

@@ -271,14 +271,15 @@ void vesper_engine::Plan() {
   if (ledger_ != nullptr) ledger_->Plan(libraries_);
 }
 
-void vesper_engine::MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const {
+void vesper_engine::MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) {
   const std::span laws(table.laws, table.law_count);
   for (uint32_t i = 0; i < laws.size(); ++i) {
     if (laws[i].real_type != 0 && laws[i].real_type != prototype_.real_type()) continue;
     const auto index = static_cast<uint32_t>(added.laws().size());
     try {
       added.laws().push_back(std::make_unique<vesper::LoadedLaw>(
-          laws[i], index, vesper::MatchUses(laws[i], prototype_, columns_), config_.validate));
+          laws[i], index, vesper::MatchUses(laws[i], prototype_, columns_), pool_,
+          config_.validate));
     } catch (Failure& failure) {
       failure.Law(index);
       throw;

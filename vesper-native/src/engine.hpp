@@ -81,7 +81,7 @@ struct vesper_engine {
   void Bind();
   /// The same, with nothing deferred left over, and all laws up to date with the arrays.
   void BindFresh();
-  void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added) const;
+  void MatchLaws(const vesper_law_library& table, vesper::LawLibrary& added);
   void CheckConflicts(const vesper::LawLibrary& added) const;
   vesper::EngineState State() const;
   void RefreshColumns();

@@ -10,8 +10,11 @@
 namespace vesper {
 
 LoadedLaw::LoadedLaw(const vesper_law_desc& desc, uint32_t law_index,
-                     std::vector<MatchedUse> matched, bool validate)
-    : law(desc), index(law_index), uses(std::move(matched)), runner(MakeRunner(law, validate)) {
+                     std::vector<MatchedUse> matched, ThreadPool& pool, bool validate)
+    : law(desc),
+      index(law_index),
+      uses(std::move(matched)),
+      runner(MakeRunner(law, pool, validate)) {
   std::vector<UnitRatio> ratios;
   for (const MatchedUse& use : uses) ratios.push_back(use.to_law);
   const auto is_one = [](const UnitRatio& ratio) { return ratio.IsOne(); };

@@ -40,7 +40,7 @@ struct LoadedField {
 /// A law with everything the engine keeps for it.
 struct LoadedLaw {
   LoadedLaw(const vesper_law_desc& desc, uint32_t law_index, std::vector<MatchedUse> matched,
-            bool validate);
+            ThreadPool& pool, bool validate);
 
   bool Writes(uint32_t property) const;
   /// Whether one of its uses is DEFERRED.

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <string>
 
+#include "column_passes.hpp"
 #include "failure.hpp"
 #include "guarded_copy.hpp"
 #include "kernels.hpp"
@@ -20,11 +21,15 @@ size_t ByteSize(const vesper_property& property) {
   return ValueCount(property) * ScalarSize(property.scalar_type);
 }
 
-/// memset, memcpy and memcmp must not see the null of an empty column.
-void Zero(const vesper_property& property) {
-  if (property.row_count > 0) std::memset(property.data, 0, ByteSize(property));
+void Zero(ThreadPool& pool, const vesper_property& property) {
+  Zero(pool, property.scalar_type, property.data, ValueCount(property));
 }
 
+uint64_t FindNonFinite(ThreadPool& pool, const vesper_property& property) {
+  return FindNonFinite(pool, property.scalar_type, property.data, ValueCount(property));
+}
+
+/// memcpy and memcmp must not see the null of an empty column.
 void Copy(const vesper_property& to, const vesper_property& from) {
   if (to.row_count > 0) std::memcpy(to.data, from.data, ByteSize(to));
 }
@@ -47,8 +52,8 @@ Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row
       .Row(row);
 }
 
-void CheckFinite(const Law& law, const vesper_property& property) {
-  const uint64_t bad = FindNonFinite(property.scalar_type, property.data, ValueCount(property));
+void CheckFinite(const Law& law, ThreadPool& pool, const vesper_property& property) {
+  const uint64_t bad = FindNonFinite(pool, property);
   if (bad == kNotFound) return;
   const uint64_t component = bad % property.components;
   const bool unwritten = IsUnwritten(property.scalar_type, property.data, bad);
@@ -67,10 +72,10 @@ bool IsWritten(const Law& law, const Targets& targets, size_t use) {
 
 /// Throws if a property that the law only reads holds NaN or infinity. No other law put it there:
 /// what laws write is scanned before the next one runs.
-void CheckInputs(const Law& law, const Targets& seen) {
+void CheckInputs(const Law& law, ThreadPool& pool, const Targets& seen) {
   for (const vesper_property& property : seen) {
     if (property.access != VESPER_READ || IsField(property.scalar_type)) continue;
-    const uint64_t bad = FindNonFinite(property.scalar_type, property.data, ValueCount(property));
+    const uint64_t bad = FindNonFinite(pool, property);
     if (bad == kNotFound) continue;
     const uint64_t row = bad / property.components;
     throw Failure(VESPER_INVALID_ARGUMENT,
@@ -82,13 +87,13 @@ void CheckInputs(const Law& law, const Targets& seen) {
 }
 
 /// What the law wrote must be finite; if it is not, the law's inputs are blamed first.
-void CheckWritten(const Law& law, const Targets& seen) {
+void CheckWritten(const Law& law, ThreadPool& pool, const Targets& seen) {
   for (size_t i = 0; i < seen.size(); ++i) {
     if (!IsWritten(law, seen, i)) continue;
     try {
-      CheckFinite(law, seen[i]);
+      CheckFinite(law, pool, seen[i]);
     } catch (const Failure&) {
-      CheckInputs(law, seen);
+      CheckInputs(law, pool, seen);
       throw;
     }
   }
@@ -96,7 +101,7 @@ void CheckWritten(const Law& law, const Targets& seen) {
 
 class DirectRunner final : public LawRunner {
  public:
-  explicit DirectRunner(Law& law) : law_(law) {}
+  DirectRunner(Law& law, ThreadPool& pool) : law_(law), pool_(pool) {}
 
   void Bind(const Targets& targets) override {
     targets_ = &targets;
@@ -106,27 +111,28 @@ class DirectRunner final : public LawRunner {
   void Advance(const vesper_step& step) override {
     for (size_t i = 0; i < targets_->size(); ++i) {
       const vesper_property& target = (*targets_)[i];
-      if (target.access == VESPER_ACCUMULATE && !law_.Defers(i)) Zero(target);
+      if (target.access == VESPER_ACCUMULATE && !law_.Defers(i)) Zero(pool_, target);
     }
     law_.Advance(step);
-    CheckWritten(law_, *targets_);
+    CheckWritten(law_, pool_, *targets_);
   }
 
   void Synchronize(uint32_t use) override {
     law_.Synchronize(use);
-    CheckFinite(law_, (*targets_)[use]);
+    CheckFinite(law_, pool_, (*targets_)[use]);
   }
 
   double PotentialEnergy() override { return law_.PotentialEnergy(); }
 
  private:
   Law& law_;
+  ThreadPool& pool_;
   const Targets* targets_ = nullptr;
 };
 
 class GuardedRunner final : public LawRunner {
  public:
-  explicit GuardedRunner(Law& law) : law_(law) {}
+  GuardedRunner(Law& law, ThreadPool& pool) : law_(law), pool_(pool) {}
 
   void Bind(const Targets& targets) override {
     targets_ = &targets;
@@ -146,7 +152,7 @@ class GuardedRunner final : public LawRunner {
     CopyIn();
     law_.Advance(step);
     CheckKeptWord();
-    CheckWritten(law_, seen_);
+    CheckWritten(law_, pool_, seen_);
     for (size_t i = 0; i < seen_.size(); ++i) {
       if (IsWritten(law_, seen_, i)) Copy((*targets_)[i], seen_[i]);
     }
@@ -158,7 +164,7 @@ class GuardedRunner final : public LawRunner {
     FillUnwritten(seen.scalar_type, seen.data, ValueCount(seen));
     law_.Synchronize(use);
     CheckKeptWord(use);
-    CheckFinite(law_, seen);
+    CheckFinite(law_, pool_, seen);
     Copy((*targets_)[use], seen);
   }
 
@@ -173,7 +179,7 @@ class GuardedRunner final : public LawRunner {
   void CopyIn() {
     for (size_t i = 0; i < seen_.size(); ++i) {
       if (seen_[i].access == VESPER_ACCUMULATE && !law_.Defers(i)) {
-        Zero(seen_[i]);
+        Zero(pool_, seen_[i]);
       } else {
         Copy(seen_[i], (*targets_)[i]);
       }
@@ -214,6 +220,7 @@ class GuardedRunner final : public LawRunner {
   }
 
   Law& law_;
+  ThreadPool& pool_;
   const Targets* targets_ = nullptr;
   Targets seen_;
   std::vector<GuardedCopy> copies_;
@@ -221,9 +228,9 @@ class GuardedRunner final : public LawRunner {
 
 }  // namespace
 
-std::unique_ptr<LawRunner> MakeRunner(Law& law, bool validate) {
-  if (validate) return std::make_unique<GuardedRunner>(law);
-  return std::make_unique<DirectRunner>(law);
+std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, bool validate) {
+  if (validate) return std::make_unique<GuardedRunner>(law, pool);
+  return std::make_unique<DirectRunner>(law, pool);
 }
 
 }  // namespace vesper

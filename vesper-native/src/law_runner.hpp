@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "law.hpp"
+#include "thread_pool.hpp"
 
 namespace vesper {
 
@@ -30,7 +31,8 @@ class LawRunner {
   virtual double PotentialEnergy() = 0;
 };
 
-/// In place, or, if `validate`, on copies that hold the law to its declaration.
-std::unique_ptr<LawRunner> MakeRunner(Law& law, bool validate);
+/// In place, or, if `validate`, on copies that hold the law to its declaration. Whole columns are
+/// zeroed and checked by the threads of `pool`, which outlives the runner.
+std::unique_ptr<LawRunner> MakeRunner(Law& law, ThreadPool& pool, bool validate);
 
 }  // namespace vesper

@@ -114,8 +114,10 @@ void CheckLaw(const vesper_law_desc& law, const std::string& library) {
           "unknown phase");
   if (law.phase == VESPER_PHASE_INTEGRATE) {
     Require(law.stages >= 1 && law.stages <= kMaxStages, where, "stages must be 1 to 16");
+    Require(law.first_stage <= 1, where, "first_stage must be 0 or 1");
   } else {
     Require(law.stages == 0, where, "stages is for laws of phase INTEGRATE");
+    Require(law.first_stage == 0, where, "first_stage is for laws of phase INTEGRATE");
   }
   CheckForceWeights(law, where);
   Require((law.claims & ~kAllClaims) == 0, where, "unknown claims");

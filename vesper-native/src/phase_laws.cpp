@@ -21,6 +21,10 @@ bool Collide(const ScheduledLaw& a, const ScheduledLaw& b) {
   });
 }
 
+bool IsCalled(const ScheduledLaw& scheduled, const vesper_step& step) {
+  return step.stage >= scheduled.law->law.desc().first_stage;
+}
+
 void RunLaw(const ScheduledLaw& scheduled, const vesper_step& step) {
   scheduled.OnBehalf(step.stage, [&] { scheduled.law->runner->Advance(step); });
 }
@@ -60,6 +64,7 @@ void PhaseLaws::Run(ThreadPool& pool, LawCalls* calls, bool in_order, const vesp
 
 void PhaseLaws::RunInOrder(LawCalls* calls, const vesper_step& step) {
   for (const ScheduledLaw& scheduled : laws_) {
+    if (!IsCalled(scheduled, step)) continue;
     if (calls != nullptr) calls->Before(scheduled, step);
     RunLaw(scheduled, step);
     if (calls != nullptr) calls->After(scheduled, step);
@@ -81,11 +86,16 @@ void PhaseLaws::RunInWaves(ThreadPool& pool, LawCalls* calls, const vesper_step&
 /// in a later wave, and fail too.
 void PhaseLaws::RunWave(const std::vector<uint32_t>& wave, ThreadPool& pool, LawCalls* calls,
                         const vesper_step& step) {
+  const auto try_for = [&](uint32_t place, auto&& action) {
+    if (IsCalled(laws_[place], step)) Try(place, [&] { action(laws_[place]); });
+  };
   const auto for_each = [&](auto&& action) {
-    for (const uint32_t place : wave) Try(place, [&] { action(laws_[place]); });
+    for (const uint32_t place : wave) try_for(place, action);
   };
   if (calls != nullptr) for_each([&](const ScheduledLaw& law) { calls->Before(law, step); });
-  auto run = [&](uint64_t i) { Try(wave[i], [&] { RunLaw(laws_[wave[i]], step); }); };
+  auto run = [&](uint64_t i) {
+    try_for(wave[i], [&](const ScheduledLaw& law) { RunLaw(law, step); });
+  };
   pool.ForEach(wave.size(), run);
   if (calls != nullptr) for_each([&](const ScheduledLaw& law) { calls->After(law, step); });
   for (const uint32_t place : wave) {

@@ -176,7 +176,7 @@ void Schedule::SumShares(uint32_t stage) {
   for (const Accumulation& accumulation : accumulations_) {
     if (!columns_[accumulation.property()].bound) continue;
     try {
-      accumulation.Sum();
+      accumulation.Sum(pool_);
       if (!accumulation.InPlace()) deferred_.Written(accumulation.property());
     } catch (Failure& failure) {
       failure.Stage(stage);

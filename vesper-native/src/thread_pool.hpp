@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <type_traits>
 
 namespace vesper {
 
@@ -21,6 +22,14 @@ class ThreadPool {
   /// Calls `body` for chunks of `grain` that cover [0, count), whose borders depend on nothing
   /// else. `grain` 0: chosen from `count` alone. Returns when all are done.
   void ParallelFor(uint64_t count, uint64_t grain, RangeBody body, void* user);
+  /// The same with body(begin, end).
+  template <class Body>
+  void ParallelFor(uint64_t count, uint64_t grain, Body&& body) {
+    const auto call = [](void* user, uint64_t begin, uint64_t end) {
+      (*static_cast<std::remove_reference_t<Body>*>(user))(begin, end);
+    };
+    ParallelFor(count, grain, call, &body);
+  }
 
   /// Calls body(i) for every i below `count`, perhaps at the same time, and returns when all are
   /// done. Meant for few and large bodies, which may call ParallelFor themselves.

@@ -1,4 +1,5 @@
 // How the forces of several laws become one sum.
+#include <algorithm>
 #include <limits>
 
 #include "test_kit.hpp"
@@ -93,6 +94,32 @@ TEST_P(AccumulationTest, AppliedForceMustBeFinite) {
   EXPECT_REFUSED(INVALID_ARGUMENT, "property appliedForce, row 2", error);
   EXPECT_EQ(error.library_id, VESPER_NO_LIBRARY);
   EXPECT_EQ(error.row, 2u);
+}
+
+// So many rows that threads share them.
+TEST_P(AccumulationTest, TheFirstRowThatIsNotFiniteIsNamedWhateverTheNumberOfThreads) {
+  for (const uint32_t threads : {1u, 2u, 8u}) {
+    for (const bool applied : {true, false}) {
+      Bodies bodies(200000);
+      EngineOptions options = Options();
+      options.threads = threads;
+      TestEngine engine(options);
+      engine.AddBodies(bodies);
+      EXPECT_OK(engine.Add("appliedForce", bodies.applied, 3));
+      engine.Load("push", {{"force", 2}});
+      engine.Load("relay_velocity");  // from positions
+      EXPECT_OK(engine.Advance(1, 1));
+      EXPECT_EQ(std::count(bodies.force.begin(), bodies.force.end(), 2.0), 200000);
+      std::vector<double>& spoilt = applied ? bodies.applied : bodies.position;
+      for (const size_t row : {190000u, 60001u, 150000u}) {
+        spoilt[3 * row] = std::numeric_limits<double>::quiet_NaN();
+      }
+      const vesper_error error = engine.Advance(1, 1);
+      EXPECT_REFUSED(INVALID_ARGUMENT, applied ? "appliedForce, row 60001" : "position, row 60001",
+                     error);
+      EXPECT_EQ(error.row, 60001u) << threads << " threads";
+    }
+  }
 }
 
 }  // namespace

@@ -74,6 +74,21 @@ TEST_P(AdvanceTest, LawsRunByPhaseThenByOrderOfLoading) {
   EXPECT_EQ(bodies.orientation[0], 5161723);
 }
 
+TEST_P(AdvanceTest, IntegratorIsCalledFromItsFirstStageOn) {
+  for (const uint32_t threads : {1u, 2u}) {
+    Bodies bodies(1);
+    EngineOptions options = Options();
+    options.threads = threads;
+    TestEngine engine(options);
+    engine.AddBodies(bodies);
+    const vesper_library_id integrator = engine.Load("trace_from_stage_1");
+    engine.Load("trace_force");
+    EXPECT_OK(engine.Advance(kDt, 1));
+    EXPECT_EQ(bodies.orientation[0], 1617) << threads << " threads";
+    EXPECT_EQ(engine.LawInfo(integrator).calls, 2u);
+  }
+}
+
 TEST_P(AdvanceTest, LawsOfOnePhaseRunInOrderOfLoading) {
   Bodies bodies(1);
   TestEngine engine(Options());

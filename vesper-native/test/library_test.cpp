@@ -245,6 +245,8 @@ TEST(LibraryTest, BadTablesAreRefusedByRule) {
       "field wind: evaluate is null",
       "property position: is DEFERRED, but synchronize is null",
       "law first: the sum of force_weights is not 1",
+      "law first: first_stage is for laws of phase INTEGRATE",
+      "law first: first_stage must be 0 or 1",
   };
   for (size_t i = 0; i < std::size(messages); ++i) {
     EXPECT_REFUSED(LIBRARY_LOAD_FAILED, messages[i], Prepare("bad_table_" + std::to_string(i + 1)));

@@ -155,6 +155,10 @@ typedef struct vesper_law_desc {
    *  same for each stage. In a step the velocity changes by dt / mass times the weighted sum of the
    *  forces: [0] of those that the step before ended with, then of each stage's. */
   const double* force_weights;
+  /** Since 1.1. INTEGRATE: the first stage that the law is called for, 0 or 1. 1: it has nothing to do
+   *  before the forces, and is not asked. Else 0. */
+  uint32_t first_stage;
+  uint32_t reserved1;
 } vesper_law_desc;
 
 /** A field that a library brings for a FIELD property of the prototype. Since 1.1. */

@@ -26,6 +26,7 @@
  *
  * Members that a law must have: kName, kVersion, kDoc, kPhase, Properties(), Advance(). It may have:
  *   uint32_t kStages        force evaluations per step of an integrator; 1 if absent
+ *   uint32_t kFirstStage    1 if an integrator has nothing to do before the first of them (stage 0)
  *   std::array<double, 1 + kStages> kForceWeights
  *                           how its velocities follow from the forces; see `force_weights` in law.h
  *   uint32_t kClaims        vesper::Claim values joined with |; none if absent
@@ -187,10 +188,11 @@ class Column {
   /** Rows; 0 if an optional property is absent. */
   uint64_t size() const { return size_; }
   const char* name() const { return name_; }
-  /** Another number whenever anybody else wrote the array; see the Deferred columns. */
-  uint64_t version() const requires(flags == VESPER_USE_DEFERRED) { return version_; }
+  /** Another number once the client has touched or rebound the property; of a Deferred column, whenever
+   *  anybody else wrote the array. */
+  uint64_t version() const { return version_; }
   /** False if the prototype lacks this optional property or the client gave no array for it. */
-  bool present() const requires(flags == VESPER_USE_OPTIONAL) { return data_ != nullptr; }
+  bool present() const requires((flags & VESPER_USE_OPTIONAL) != 0) { return data_ != nullptr; }
 
  private:
   template <class Law>
@@ -245,6 +247,8 @@ using OptionalAccumulate = Column<Row, VESPER_ACCUMULATE, VESPER_USE_OPTIONAL>;
  *  for by law.Synchronize(column), which must fill the whole column; see VESPER_USE_DEFERRED. */
 template <class Row>
 using DeferredRead = Column<Row, VESPER_READ, VESPER_USE_DEFERRED>;
+template <class Row>
+using OptionalDeferredRead = Column<Row, VESPER_READ, VESPER_USE_OPTIONAL | VESPER_USE_DEFERRED>;
 template <class Row>
 using DeferredWrite = Column<Row, VESPER_WRITE, VESPER_USE_DEFERRED>;
 template <class Row>
@@ -554,6 +558,11 @@ class Instance {
       if constexpr (kDefersWrites<Properties>) desc.synchronize = &Instance::Synchronize;
       if constexpr (requires(Law& law) { law.PotentialEnergy(); }) {
         desc.potential_energy = &Instance::PotentialEnergy;
+      }
+      if constexpr (requires { Law::kFirstStage; }) {
+        static_assert(Law::kPhase == Phase::kIntegrate && Law::kFirstStage <= 1,
+                      "kFirstStage is for laws of phase kIntegrate: 0 or 1");
+        desc.first_stage = Law::kFirstStage;
       }
       if constexpr (requires { Law::kForceWeights; }) {
         static_assert(Law::kPhase == Phase::kIntegrate && Law::kForceWeights.size() == 1 + Stages(),

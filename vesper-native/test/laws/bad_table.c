@@ -19,6 +19,8 @@
 #define FIELD_WITHOUT_FUNCTION 15
 #define DEFERRED_WITHOUT_SYNCHRONIZE 16
 #define WEIGHTS_OF_NOTHING 17
+#define FORCE_WITH_FIRST_STAGE 18
+#define FIRST_STAGE_BEYOND_ONE 19
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)law;
@@ -74,6 +76,12 @@ const vesper_law_library* vesper_law_library_entry(void) {
       laws[0].force_weights = weights;
       break;
     case UNKNOWN_CLAIM: laws[0].claims = 1u << 30; break;
+    case FORCE_WITH_FIRST_STAGE: laws[0].first_stage = 1; break;
+    case FIRST_STAGE_BEYOND_ONE:
+      laws[0].phase = VESPER_PHASE_INTEGRATE;
+      laws[0].stages = 4;
+      laws[0].first_stage = 2;
+      break;
     default: break;
   }
   return &library;

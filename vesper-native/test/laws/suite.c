@@ -51,6 +51,6 @@ static const vesper_parameter_desc kParameters[] = {
 #define SUITE_LAW(name)                                                                     \
   {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "Counts.", VESPER_PHASE_OBSERVE, 0,  \
    USE_COUNT, PARAMETER_COUNT, kUses, kParameters, 0, 0, CreateLogged, Bind, Act,           \
-   DestroyLogged, NULL, NULL, NULL}
+   DestroyLogged, NULL, NULL, NULL, 0, 0}
 static const vesper_law_desc kLaws[] = {SUITE_LAW("first"), SUITE_LAW("second")};
 LIBRARY("suite", kLaws, Open, Close)

@@ -61,7 +61,7 @@ static inline void Destroy(vesper_law* law) { free(law); }
   {sizeof(vesper_parameter_desc), 0, name, "A parameter.", unit, value, minimum, maximum}
 #define LAW(name, phase, stages, uses, use_count, parameters, parameter_count, create, bind, act) \
   {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "A test law.", phase, stages, use_count,    \
-   parameter_count, uses, parameters, 0, 0, create, bind, act, Destroy, NULL, NULL, NULL}
+   parameter_count, uses, parameters, 0, 0, create, bind, act, Destroy, NULL, NULL, NULL, 0, 0}
 #define LIBRARY(name, laws, open, close)                                                        \
   const vesper_law_library* vesper_law_library_entry(void) {                                    \
     static const vesper_law_library library = {                                                 \

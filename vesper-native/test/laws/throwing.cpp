@@ -23,7 +23,7 @@ void Destroy(vesper_law* law) { delete law; }
 
 constexpr vesper_law_desc kLaw = {sizeof(vesper_law_desc), 0, "throwing", "1.0.0", "A test law.",
                                   VESPER_PHASE_OBSERVE, 0, 0, 0, nullptr, nullptr, 0, 0, Create,
-                                  Bind, Advance, Destroy, nullptr, nullptr, nullptr};
+                                  Bind, Advance, Destroy, nullptr, nullptr, nullptr, 0, 0};
 constexpr vesper_law_library kLibrary = {
     sizeof kLibrary, VESPER_ABI_VERSION, "throwing", 1, 0, &kLaw, nullptr, nullptr,
     0, 0, nullptr};

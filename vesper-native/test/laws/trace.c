@@ -1,5 +1,5 @@
 /* Appends a digit to orientation.x whenever it runs: a record of the order. NAME, PHASE, STAGES and
- * DIGIT vary; an integrator appends DIGIT plus the stage. */
+ * DIGIT vary; an integrator appends DIGIT plus the stage, from FIRST_STAGE on if that is defined. */
 #include "test_law.h"
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {
@@ -14,6 +14,14 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
 
 static const vesper_property_use kUses[] = {
     REAL_USE("orientation", 4, VESPER_READ_WRITE, VESPER_UNIT_ONE)};
-static const vesper_law_desc kLaws[] = {
+static vesper_law_desc laws[] = {
     LAW(NAME, PHASE, STAGES, kUses, USE_COUNT, NULL, 0, Create, Bind, Act)};
-LIBRARY(NAME, kLaws, NULL, NULL)
+static vesper_law_library library = {
+    sizeof library, VESPER_ABI_VERSION, NAME, 1, 0, laws, NULL, NULL, 0, 0, NULL};
+
+const vesper_law_library* vesper_law_library_entry(void) {
+#ifdef FIRST_STAGE
+  laws[0].first_stage = FIRST_STAGE;
+#endif
+  return &library;
+}

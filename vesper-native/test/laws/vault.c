@@ -139,7 +139,7 @@ static const vesper_parameter_desc kParameters[] = {
 #define VAULT_LAW(name, phase, stages, uses, act, energy)                                     \
   {sizeof(vesper_law_desc), VESPER_F64, name, "1.0.0", "Keeps copies.", phase, stages,        \
    USE_COUNT, PARAMETER_COUNT, uses, kParameters, 0, 0, Create, BindCopies, act, Destroy,       \
-   energy, Synchronize, NULL}
+   energy, Synchronize, NULL, 0, 0}
 static const vesper_law_desc kBoth[] = {
     VAULT_LAW("pull", VESPER_PHASE_FORCE, 0, kPullUses, Pull, Energy),
     VAULT_LAW("move", VESPER_PHASE_INTEGRATE, 1, kMoveUses, Move, NULL)};

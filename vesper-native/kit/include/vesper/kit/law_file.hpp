@@ -63,8 +63,9 @@ class BareLaw {
     double dt;       // [s]
     uint64_t index;  // of the step
   };
-  /// One step: stage 0 if the law integrates, then each stage after `evaluate(stage)`, which may
-  /// fill in forces. The arrays count before and after each call, deferred or not.
+  /// One step: stage 0 if the law integrates and begins there, then each stage after
+  /// `evaluate(stage)`, which may fill in forces. The arrays count before and after each call,
+  /// deferred or not.
   void Step(const Time& time, const std::function<void(uint32_t)>& evaluate) const;
 
  private:
