@@ -58,7 +58,7 @@ class Law {
         hooke_(length_.size(), Real(kHooke)), damping_(length_.size(), Real(kDamping)),
         ends_(std::move(cloth.ends)),
         engine_(sizeof(Real) == 8 ? "si-f64" : "si-f32",
-                {.threads = threads, .validate = false, .law_path = laws}) {
+                {.threads = threads, .validate = false, .law_path = laws, .deferred = true}) {
     auto provider = engine_.PropertyProvider();
     provider.AddPhysicalProperty("mass", mass_);
     provider.AddPhysicalProperty("position", position_);

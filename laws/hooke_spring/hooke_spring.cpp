@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <atomic>
 #include <cstring>
 #include <memory>
@@ -17,6 +18,7 @@ using namespace vesper::hooke_spring;
 constexpr uint64_t kGrain = 16384;
 // Threads that can work at the same time: memory is reserved for so many of the largest tile.
 constexpr uint64_t kMostPlaces = 64;
+constexpr uint64_t kUnknown = UINT64_MAX;
 
 /** Springs with viscous damping along their axis. The bodies are cut into tiles; for each, all
  *  springs that hold one of its bodies are computed and summed in a fixed order, and what they do
@@ -30,9 +32,10 @@ struct HookeSpring {
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
 
   Read<Ends> endpoints{"endpoints", "spring", units::one};
-  Read<Real> length{"length", "spring", units::metre};
-  Read<Real> hooke_constant{"hookeConstant", "spring", units::newton_per_metre};
-  OptionalRead<Real> damping_constant{"dampingConstant", "spring", units::newton_second_per_metre};
+  DeferredRead<Real> length{"length", "spring", units::metre};
+  DeferredRead<Real> hooke_constant{"hookeConstant", "spring", units::newton_per_metre};
+  OptionalDeferredRead<Real> damping_constant{"dampingConstant", "spring",
+                                              units::newton_second_per_metre};
   Read<Vec3<Real>> position{"position", "body", units::metre};
   Read<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
@@ -42,23 +45,17 @@ struct HookeSpring {
   }
 
   void Bind() {
-    tiles_.Build({endpoints.data(), endpoints.size()}, position.size());
-    const uint64_t count = tiles_.tiles().size();
-    tiles_at_once_ = std::max<uint64_t>(1, (count + kMostPlaces - 1) / kMostPlaces);
-    // Of the places to work at, only those are ever touched that threads need at the same time.
-    const uint64_t places = (count + tiles_at_once_ - 1) / tiles_at_once_;
-    motions_ = std::make_unique_for_overwrite<Motion<Real>[]>(places * tiles_.most_bodies());
-    forces_ = std::make_unique_for_overwrite<Forces<Real>[]>(places * tiles_.most_slots() / kBatch);
-    taken_ = std::make_unique<std::atomic_flag[]>(places);
-    copies_.clear();
+    if (endpoints.version() != endpoints_version_ || position.size() != bodies_) BuildTiles();
     if (tiles_.in_row_order()) return;
-    Copy(length.data());
-    Copy(hooke_constant.data());
-    if (damping_constant.present()) Copy(damping_constant.data());
+    Follow(length, 0);
+    Follow(hooke_constant, 1);
+    Follow(damping_constant, 2);
   }
 
   void Advance(const Step& step) {
-    Update(step);
+    for (Copied& copy : copies_) {
+      if (copy.stale) Update(copy, step);
+    }
     step.ParallelFor(tiles_.tiles().size(), tiles_at_once_, [&](uint64_t begin, uint64_t end) {
       uint64_t place = 0;
       while (taken_[place].test_and_set(std::memory_order_acquire)) ++place;
@@ -79,43 +76,66 @@ struct HookeSpring {
   }
 
  private:
-  /** A column as it was when it was copied, by rows and by slots. */
+  /** A column as it was when it was copied, by rows and by slots; all are empty if there is none. */
   struct Copied {
-    const Real* column;
+    const Real* column = nullptr;
+    uint64_t version = 0;
+    bool stale = false;  // perhaps
     std::vector<Real> rows, slots;
   };
 
-  void Copy(const Real* column) {
-    Copied& copy = copies_.emplace_back();
-    copy.column = column;
-    copy.rows.assign(column, column + endpoints.size());
-    copy.slots.resize(tiles_.rows().size());
-    Sort(copy);
+  void BuildTiles() {
+    endpoints_version_ = kUnknown;  // until all is done: memory may run out meanwhile
+    if (tiles_.Build({endpoints.data(), endpoints.size()}, position.size()) || !taken_) Reserve();
+    bodies_ = position.size();
+    endpoints_version_ = endpoints.version();
   }
 
-  void Sort(Copied& copy) const {
-    const auto& rows = tiles_.rows();
-    for (uint64_t slot = 0; slot < rows.size(); ++slot) copy.slots[slot] = copy.rows[rows[slot]];
+  void Reserve() {
+    copies_ = {};
+    taken_.reset();
+    const uint64_t count = tiles_.tiles().size();
+    tiles_at_once_ = std::max<uint64_t>(1, (count + kMostPlaces - 1) / kMostPlaces);
+    // Of the places to work at, only those are ever touched that threads need at the same time.
+    const uint64_t places = (count + tiles_at_once_ - 1) / tiles_at_once_;
+    motions_ = std::make_unique_for_overwrite<Motion<Real>[]>(places * tiles_.most_bodies());
+    forces_ = std::make_unique_for_overwrite<Forces<Real>[]>(places * tiles_.most_slots() / kBatch);
+    taken_ = std::make_unique<std::atomic_flag[]>(places);
   }
 
-  /** Copies again what was edited in place: reading the rows one after the other to see that costs
+  /** The version says whether the column may have been edited since it was copied. */
+  template <class Column>
+  void Follow(const Column& column, int place) {
+    Copied& copy = copies_[place];
+    const bool known = copy.column != nullptr && copy.version == column.version();
+    copy.stale = copy.stale || !known;
+    copy.column = column.data();
+    copy.version = column.version();
+  }
+
+  /** Copies the column again if it was edited: reading the rows one after the other to see that costs
    *  little next to reading them in another order. */
-  void Update(const Step& step) {
-    if (copies_.empty()) return;
-    edited_.clear();
-    step.ParallelFor(endpoints.size(), kGrain, [&](uint64_t begin, uint64_t end) {
-      for (const Copied& copy : copies_) {
-        if (std::memcmp(copy.column + begin, copy.rows.data() + begin,
-                        (end - begin) * sizeof(Real)) != 0) {
-          edited_.test_and_set();
+  void Update(Copied& copy, const Step& step) {
+    const uint64_t count = copy.column != nullptr ? endpoints.size() : 0;
+    if (copy.rows.size() != count || Differ(copy, step)) {
+      copy.rows.assign(copy.column, copy.column + count);
+      copy.slots.resize(count > 0 ? tiles_.rows().size() : 0);
+      step.ParallelFor(copy.slots.size(), kGrain, [&](uint64_t begin, uint64_t end) {
+        for (uint64_t slot = begin; slot < end; ++slot) {
+          copy.slots[slot] = copy.rows[tiles_.rows()[slot]];
         }
-      }
-    });
-    if (!edited_.test()) return;
-    for (Copied& copy : copies_) {
-      std::copy_n(copy.column, copy.rows.size(), copy.rows.data());
-      Sort(copy);
+      });
     }
+    copy.stale = false;
+  }
+
+  bool Differ(const Copied& copy, const Step& step) const {
+    std::atomic<bool> differ = false;
+    step.ParallelFor(copy.rows.size(), kGrain, [&](uint64_t begin, uint64_t end) {
+      const size_t size = (end - begin) * sizeof(Real);
+      if (std::memcmp(copy.column + begin, copy.rows.data() + begin, size) != 0) differ = true;
+    });
+    return differ;
   }
 
   /** Adds the forces of a tile's springs to its own bodies. */
@@ -138,7 +158,7 @@ struct HookeSpring {
     springs.count = tile.slot_count;
     springs.first_ends = tiles_.first_ends().data() + tile.first_slot;
     springs.second_ends = tiles_.second_ends().data() + tile.first_slot;
-    if (copies_.empty()) {
+    if (tiles_.in_row_order()) {
       springs.rows = tiles_.rows().data() + tile.first_slot;
       springs.first_rows = tiles_.first_rows().data() + tile.first_slot / kBatch;
       springs.length = length.data();
@@ -147,7 +167,7 @@ struct HookeSpring {
     } else {
       springs.length = copies_[0].slots.data() + tile.first_slot;
       springs.hooke = copies_[1].slots.data() + tile.first_slot;
-      if (copies_.size() > 2) springs.damping = copies_[2].slots.data() + tile.first_slot;
+      if (damping_constant.present()) springs.damping = copies_[2].slots.data() + tile.first_slot;
     }
     return springs;
   }
@@ -155,12 +175,13 @@ struct HookeSpring {
   const TileForces<Real> compiled_ = AvailableTileForces<Real>().front();
   // All of it is rebuilt by Bind or by each Advance.
   SpringTiles tiles_;
+  uint64_t endpoints_version_ = kUnknown;      // that the tiles are of
+  uint64_t bodies_ = 0;
   uint64_t tiles_at_once_ = 1;                 // that a thread takes
-  std::vector<Copied> copies_;                 // length, hooke, damping; none if in order of rows
-  std::atomic_flag edited_;
+  std::array<Copied, 3> copies_;               // length, hooke, damping; if not in order of rows
   std::unique_ptr<Motion<Real>[]> motions_;    // (places x most_bodies of tiles_)
   std::unique_ptr<Forces<Real>[]> forces_;     // (places x most_slots / kBatch)
-  std::unique_ptr<std::atomic_flag[]> taken_;  // (places)
+  std::unique_ptr<std::atomic_flag[]> taken_;  // (places); null: nothing is reserved
 };
 
 }  // namespace

@@ -268,6 +268,133 @@ TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   }
 }
 
+/// A network that a client edits in place, makes longer and shorter, and its forces by the equation.
+template <class Real>
+class EditedNetwork {
+ public:
+  EditedNetwork(uint32_t seed, bool shuffled, uint32_t threads, bool deferred)
+      : random_(seed), deferred_(deferred), scene_(Network(seed, shuffled)),
+        engine_(scene_.MakeEngine(threads, seed % 2 == 0, deferred)) {
+    engine_.LoadPhysicsLaw("hooke_spring");
+  }
+
+  void EditSomething() {
+    const auto spring = random_() % scene_.length.size();
+    switch (random_() % 6) {
+      case 0:
+        scene_.length[spring] = Draw(1, 10);
+        return TouchValue("length");
+      case 1:
+        for (Real& k : scene_.hooke_constant) k = Draw(1, 100);
+        return TouchValue("hookeConstant");
+      case 2:
+        scene_.position[random_() % scene_.position.size()] = Draw(-10, 10);
+        return TouchValue("position");
+      case 3:
+        scene_.endpoints[2 * spring + random_() % 2] = AnyBody();
+        return Provider().Touch({"endpoints"});
+      case 4: return ChangeSprings();
+      default: return ChangeBodies();
+    }
+  }
+
+  void ExpectForcesOfTheEquation(const std::string& where) {
+    engine_.Advance(0.01);
+    std::vector<Vec3<double>> sums(scene_.mass.size());
+    for (uint64_t s = 0; s < scene_.length.size(); ++s) {
+      const uint32_t a = scene_.endpoints[2 * s], b = scene_.endpoints[2 * s + 1];
+      const auto difference = [&](const std::vector<Real>& column) {
+        return scene_.Wide(scene_.At(column, b)) - scene_.Wide(scene_.At(column, a));
+      };
+      const Vec3<double> axis = difference(scene_.position);
+      const double distance = Length(axis);
+      if (distance == 0) continue;
+      double pull = double{scene_.hooke_constant[s]} * (distance - double{scene_.length[s]});
+      if (damped_) {
+        const double speed = Dot(difference(scene_.velocity), axis) / distance;
+        pull += double{scene_.damping_constant[s]} * speed;
+      }
+      sums[a] += axis * (pull / distance);
+      sums[b] -= axis * (pull / distance);
+    }
+    for (uint64_t i = 0; i < sums.size(); ++i) {
+      const Vec3<double> found = scene_.Wide(scene_.At(scene_.external_force, i));
+      ASSERT_LT(Length(found - sums[i]), Rounding<Real>(1e5)) << "body " << i << ", " << where;
+    }
+  }
+
+ private:
+  static Scene<Real> Network(uint32_t seed, bool shuffled) {
+    const auto network = RandomNetwork<Real>(400, seed);
+    std::vector<uint32_t> order(network.length.size());
+    std::iota(order.begin(), order.end(), 0);
+    if (shuffled) std::shuffle(order.begin(), order.end(), std::mt19937(seed));
+    Scene<Real> scene = network;
+    scene.endpoints.clear();
+    for (auto* column : {&scene.length, &scene.hooke_constant, &scene.damping_constant}) {
+      column->clear();
+    }
+    for (const uint32_t s : order) {
+      scene.AddSpring(network.endpoints[2 * s], network.endpoints[2 * s + 1], network.length[s],
+                      network.hooke_constant[s], network.damping_constant[s]);
+    }
+    return scene;
+  }
+
+  PhysicalPropertyProvider Provider() { return engine_.PropertyProvider(); }
+  Real Draw(double low, double high) {
+    return static_cast<Real>(low + (high - low) * random_() / 4294967296.0);
+  }
+  uint32_t AnyBody() { return static_cast<uint32_t>(random_() % scene_.mass.size()); }
+  /// Only a client that promised so has to.
+  void TouchValue(const char* name) {
+    if (deferred_) Provider().Touch({name});
+  }
+
+  void ChangeSprings() {
+    if (random_() % 2 == 0) {
+      scene_.AddSpring(AnyBody(), AnyBody(), Draw(1, 10), Draw(1, 100), Draw(0, 2));
+    } else {
+      scene_.endpoints.resize(scene_.endpoints.size() - 2);
+      for (auto* column : {&scene_.length, &scene_.hooke_constant, &scene_.damping_constant}) {
+        column->pop_back();
+      }
+    }
+    Provider().RebindPhysicalProperty("endpoints", scene_.endpoints);
+    Provider().RebindPhysicalProperty("length", scene_.length);
+    Provider().RebindPhysicalProperty("hookeConstant", scene_.hooke_constant);
+    if (damped_) Provider().RemovePhysicalProperty("dampingConstant");
+    damped_ = random_() % 3 > 0;
+    if (damped_) Provider().AddPhysicalProperty("dampingConstant", scene_.damping_constant);
+  }
+
+  void ChangeBodies() {
+    scene_.AddBody(1, {Draw(-10, 10), Draw(-10, 10), Draw(-10, 10)}, {Draw(-3, 3), 0, 0});
+    Provider().RebindPhysicalProperty("mass", scene_.mass);
+    Provider().RebindPhysicalProperty("position", scene_.position);
+    Provider().RebindPhysicalProperty("velocity", scene_.velocity);
+    Provider().RebindPhysicalProperty("appliedForce", scene_.applied_force);
+    Provider().RebindPhysicalProperty("externalForce", scene_.external_force);
+  }
+
+  std::mt19937 random_;
+  bool deferred_, damped_ = true;
+  Scene<Real> scene_;
+  PhysicsEngine engine_;
+};
+
+TYPED_TEST(HookeSpringTest, RandomEditsActAsTheEquationSays) {
+  for (uint32_t seed = 40; seed < 48; ++seed) {
+    const bool shuffled = seed % 4 < 2, deferred = seed < 44;
+    EditedNetwork<TypeParam> network(seed, shuffled, 1 + seed % 3, deferred);
+    for (int edit = 0; edit < 60; ++edit) {
+      const std::string where = "edit " + std::to_string(edit) + ", seed " + std::to_string(seed);
+      ASSERT_NO_FATAL_FAILURE(network.ExpectForcesOfTheEquation(where));
+      network.EditSomething();
+    }
+  }
+}
+
 TYPED_TEST(HookeSpringTest, EditedEndpointsActOnceTouched) {
   Scene<TypeParam> scene;
   scene.AddBody(1, {0, 0, 0});

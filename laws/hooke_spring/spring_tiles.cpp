@@ -42,9 +42,9 @@ std::vector<uint32_t> SortByLowerEnd(std::span<const Ends> endpoints, uint64_t b
 
 }  // namespace
 
-void SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
+bool SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
   if (endpoints.size() > uint64_t{1} << 29) throw std::length_error("more than 2^29 springs");
-  if (bodies == bodies_ && std::ranges::equal(endpoints, endpoints_)) return;
+  if (bodies == bodies_ && std::ranges::equal(endpoints, endpoints_)) return false;
   bodies_ = kUnknown;  // until all is done: memory may run out meanwhile
   in_row_order_ = VisitsInOrder(endpoints);
   std::vector<uint32_t> order;
@@ -71,6 +71,7 @@ void SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
   }
   endpoints_.assign(endpoints.begin(), endpoints.end());
   bodies_ = bodies;
+  return true;
 }
 
 /// Lays out the tiles, with room for their springs.

@@ -31,9 +31,9 @@ class SpringTiles {
  public:
   /** Springs come in the order of their rows where these visit the bodies more or less in order,
    *  else by the lower of their ends; in both cases each body meets its springs in an order that
-   *  depends on `endpoints` alone. Does nothing if all is as it was. Allocates. Throws
-   *  std::length_error beyond 2^29 springs. */
-  void Build(std::span<const Ends> endpoints, uint64_t bodies);
+   *  depends on `endpoints` alone. Does nothing, and returns false, if all is as it was. Allocates.
+   *  Throws std::length_error beyond 2^29 springs. */
+  bool Build(std::span<const Ends> endpoints, uint64_t bodies);
 
   const std::vector<Tile>& tiles() const { return tiles_; }
   /// Bodies that the largest tile knows, its own and others; slots of the one that has most.

@@ -18,6 +18,17 @@ namespace hn = hwy::HWY_NAMESPACE;
 // Springs that go through a stage before the next stage begins: each stage alone is short enough
 // for the processor to work on several batches at once.
 constexpr uint64_t kBlock = 64;
+// How far ahead memory is asked for [bytes]. What is read in order is longer than a page, where the
+// processor stops looking ahead.
+constexpr uint64_t kAhead = 1024;
+
+/// Asks for the memory of `count` values beyond what is read now.
+template <class T>
+HWY_INLINE void AskAhead(const T* values, uint64_t count) {
+  for (uint64_t byte = 0; byte < count * sizeof(T); byte += 64) {
+    __builtin_prefetch(reinterpret_cast<const char*>(values) + kAhead + byte);
+  }
+}
 
 /// From the first to the second end of each spring of a block; then its force on the first end.
 template <class Real>
@@ -155,20 +166,31 @@ void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_
   }
 }
 
+/// Calls visit(pull) for those from `at` up to `end`; several in a round, for that costs less.
+template <class Visit>
+HWY_INLINE const uint32_t* ForEachPull(const uint32_t* at, const uint32_t* end, Visit&& visit) {
+  constexpr int kRound = 4;
+  for (; end - at >= kRound; at += kRound) {
+#pragma GCC unroll 4
+    for (int i = 0; i < kRound; ++i) visit(at[i]);
+  }
+  for (; at < end; ++at) visit(*at);
+  return at;
+}
+
 template <class Real>
 void SumUp(const Forces<Real>* forces, const uint32_t* pulls, const uint32_t* pull_ends,
            uint64_t count, Vec3<Real>* sums) {
   const Four<Real> four;
   const auto* all = reinterpret_cast<const Real*>(forces);
-  uint32_t at = 0;
+  const uint32_t* at = pulls;
   for (uint64_t i = 0; i < count; ++i) {
+    AskAhead(at, 1);
     auto sum = hn::Zero(four);
-    for (const uint32_t end = pull_ends[2 * i]; at < end; ++at) {
-      sum = hn::Add(sum, hn::Load(four, all + pulls[at]));
-    }
-    for (const uint32_t end = pull_ends[2 * i + 1]; at < end; ++at) {
-      sum = hn::Sub(sum, hn::Load(four, all + pulls[at]));
-    }
+    at = ForEachPull(at, pulls + pull_ends[2 * i],
+                     [&](uint32_t pull) { sum = hn::Add(sum, hn::Load(four, all + pull)); });
+    at = ForEachPull(at, pulls + pull_ends[2 * i + 1],
+                     [&](uint32_t pull) { sum = hn::Sub(sum, hn::Load(four, all + pull)); });
     HWY_ALIGN Real components[4];
     hn::Store(sum, four, components);
     sums[i] += {components[0], components[1], components[2]};
@@ -252,6 +274,9 @@ HWY_INLINE void Pull(const TileSprings<Real>& springs, uint64_t first, uint64_t 
       row = springs.first_rows[slot / kBatch];
       if (row != kScattered) row += slot % kBatch;
     }
+    AskAhead(springs.hooke + row, hn::MaxLanes(d));
+    AskAhead(springs.length + row, hn::MaxLanes(d));
+    if constexpr (damped) AskAhead(springs.damping + row, hn::MaxLanes(d));
     auto x = hn::Load(d, block.x + i), y = hn::Load(d, block.y + i), z = hn::Load(d, block.z + i);
     const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
     const auto distance = hn::Sqrt(square);
@@ -278,6 +303,8 @@ HWY_INLINE void PullAll(const TileSprings<Real>& springs, const Motion<Real>* mo
   Block<Real> block;
   for (uint64_t first = 0; first < springs.count; first += kBlock) {
     const uint64_t count = std::min(kBlock, springs.count - first);
+    AskAhead(springs.first_ends + first, kBlock);
+    AskAhead(springs.second_ends + first, kBlock);
     for (uint64_t i = 0; i < count; i += kBatch) {
       Take<damped>(springs.first_ends + first + i, springs.second_ends + first + i, motions, i,
                    block);

@@ -48,9 +48,12 @@ struct Scene {
   }
 
   /// An engine over this scene's columns, which must not grow or move from now on.
-  PhysicsEngine MakeEngine(uint32_t threads = 1, bool validate = true) {
+  PhysicsEngine MakeEngine(uint32_t threads = 1, bool validate = true, bool deferred = false) {
     PhysicsEngine engine(std::is_same_v<Real, double> ? "si-f64" : "si-f32",
-                         {.threads = threads, .validate = validate, .law_path = VESPER_LAW_PATH});
+                         {.threads = threads,
+                          .validate = validate,
+                          .law_path = VESPER_LAW_PATH,
+                          .deferred = deferred});
     PhysicalPropertyProvider provider = engine.PropertyProvider();
     provider.AddPhysicalProperty("mass", mass);
     provider.AddPhysicalProperty("position", position);
