@@ -23,6 +23,9 @@ final class Expansion {
     /** Takes items as they are meant. */
     interface Sink {
         void accept(Node item) throws WorldFileException;
+
+        /** Takes an item for each repetition. */
+        void accept(Template item, Repetition repetition) throws WorldFileException;
     }
 
     /** Room for values, which the first item that is too large leaves. */
@@ -77,8 +80,6 @@ final class Expansion {
                     + "as in `ball-{" + repetition.variables().getFirst() + "}`");
             return;
         }
-        for (long n = 0; n < repetition.count() && !problems.full(); n++) {
-            sink.accept(template.make(repetition.values().at(n), n));
-        }
+        sink.accept(template, repetition);
     }
 }

@@ -8,6 +8,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.Function;
 import reve.core.mesh.Assets;
 import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
@@ -61,8 +62,19 @@ final class ItemReader {
     List<ItemDefinition> readAll(List<Node> nodes, Expansion expansion)
             throws WorldFileException {
         List<ItemDefinition> items = new ArrayList<>();
+        var sink = new Expansion.Sink() {
+            @Override
+            public void accept(Node item) throws WorldFileException {
+                read(item).ifPresent(items::add);
+            }
+
+            @Override
+            public void accept(Template item, Repetition repetition) throws WorldFileException {
+                readRepeated(item, repetition, items);
+            }
+        };
         for (Node node : nodes) {
-            expansion.expand(node, item -> read(item).ifPresent(items::add));
+            expansion.expand(node, sink);
         }
         resolveReferences();
         refuseCircles();
@@ -105,10 +117,11 @@ final class ItemReader {
     Optional<ItemDefinition> readAlone(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> item = node.get("name")
-                .flatMap(name -> named(name, node, kind.orElse("")));
+                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node),
+                        ItemDefinition::named));
         if (kind.isPresent() && item.isPresent()) {
             item.get().kind(kind.get());
-            readParent(node, kind.get(), item.get());
+            node.get("parent").ifPresent(parent -> readParent(parent, kind.get(), item.get()));
             readAspects(node, kind.get(), true, item.get());
         }
         return item.map(ItemDefinition.Builder::build);
@@ -136,15 +149,58 @@ final class ItemReader {
         }
     }
 
+    /** The first repetition is read as a whole, of the others what differs from it if possible. */
+    private void readRepeated(Template template, Repetition repetition, List<ItemDefinition> items)
+            throws WorldFileException {
+        Optional<RepeatedItem> repeated = Optional.empty();
+        for (long n = 0; n < repetition.count() && !problems.full(); n++) {
+            double[] values = repetition.values().at(n);
+            if (repeated.isPresent()) {
+                readAgain(repeated.get(), template.makeParts(values, n)).ifPresent(items::add);
+            } else {
+                Node node = template.make(values, n);
+                Optional<ItemDefinition> item = read(node);
+                item.ifPresent(items::add);
+                List<Template.Made> parts = template.makeParts(values, n);
+                repeated = item.map(first -> new RepeatedItem(node, first))
+                        .filter(first -> first.differsInSingleValues(parts));
+            }
+        }
+    }
+
+    /** Reads an item that differs from the one read first in the values given. */
+    private Optional<ItemDefinition> readAgain(RepeatedItem first, List<Template.Made> values)
+            throws WorldFileException {
+        ItemDefinition definition = first.definition();
+        Optional<ItemDefinition.Builder> named = named(first.name(values), definition.kind(),
+                definition.hasPhysics(), definition::copy);
+        ItemDefinition.Builder item = named.orElseGet(() -> definition.copy("unnamed"));
+        for (Template.Made made : values) {
+            switch (made.aspect()) {
+                case "physical" -> physical.readPlaceOrColour(made.value(), item);
+                case "semantic" -> readSymbol(made.value(), item);
+                case "physics" -> physics.readProperty(made.value(), definition.kind(), sink(item));
+                default -> { } // the name, and the parent, which comes last
+            }
+        }
+        first.parent(values).ifPresent(parent -> readParent(parent, definition.kind(), item));
+        if (!definition.references().isEmpty()) {
+            requireReferences(property -> first.physics(values, property),
+                    first.node().get("physics").orElseThrow(), definition.kind());
+        }
+        return named.map(ItemDefinition.Builder::build);
+    }
+
     /** What an item of that kind holds is checked even if its name is wrong. */
     private Optional<ItemDefinition> read(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> named = node.get("name")
-                .flatMap(name -> named(name, node, kind.orElse("")));
+                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node),
+                        ItemDefinition::named));
         ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
         if (kind.isPresent()) {
             item.kind(kind.get());
-            readParent(node, kind.get(), item);
+            node.get("parent").ifPresent(parent -> readParent(parent, kind.get(), item));
             readAspects(node, kind.get(), hasPhysics(node), item);
             requireReferences(node, kind.get());
         }
@@ -153,7 +209,9 @@ final class ItemReader {
         return read;
     }
 
-    private Optional<ItemDefinition.Builder> named(Node node, Node item, String kind) {
+    /** @param beginning begins the definition of an item of a name, which it may refuse */
+    private Optional<ItemDefinition.Builder> named(Node node, String kind, boolean hasPhysics,
+            Function<String, ItemDefinition.Builder> beginning) {
         Optional<String> name = node.text();
         if (name.isEmpty()) {
             return Optional.empty();
@@ -162,13 +220,13 @@ final class ItemReader {
             return refuse(node, "name: `world` is the item that holds the constants; they belong "
                     + "under `constants`");
         }
-        Entry first = byName.putIfAbsent(name.get(), new Entry(node, kind, hasPhysics(item)));
+        Entry first = byName.putIfAbsent(name.get(), new Entry(node, kind, hasPhysics));
         if (first != null) {
             return refuse(node, "duplicate item name `" + Node.shorten(name.get())
                     + "`, first " + Problems.place(first.name, node));
         }
         try {
-            return Optional.of(ItemDefinition.named(name.get()));
+            return Optional.of(beginning.apply(name.get()));
         } catch (IllegalArgumentException refused) {
             return refuse(node, refused.getMessage());
         }
@@ -199,19 +257,17 @@ final class ItemReader {
         return item.get("physics").filter(aspect -> !aspect.children().isEmpty()).isPresent();
     }
 
-    private void readParent(Node node, String kind, ItemDefinition.Builder item) {
-        Optional<Node> parent = node.get("parent").filter(name -> name.text().isPresent());
-        if (parent.isEmpty()) {
+    private void readParent(Node parent, String kind, ItemDefinition.Builder item) {
+        if (parent.text().isEmpty()) {
             return;
         }
         if (!kind.equals(WorldPrototype.BODY)) {
-            problems.addAtKey(parent.get(), "only items of kind body have a `parent`, this is a "
-                    + kind);
+            problems.addAtKey(parent, "only items of kind body have a `parent`, this is a " + kind);
             return;
         }
-        item.parent(parent.get().text().orElseThrow());
-        parents.put(item.name(), parent.get());
-        references.add(new Reference(parent.get(), WorldPrototype.BODY, false));
+        item.parent(parent.text().orElseThrow());
+        parents.put(item.name(), parent);
+        references.add(new Reference(parent, WorldPrototype.BODY, false));
     }
 
     private void refuseMassOfChild(Node node, ItemDefinition item) {
@@ -254,15 +310,19 @@ final class ItemReader {
 
     private void readSymbols(Node aspect, ItemDefinition.Builder item) {
         for (Node symbol : aspect.children()) {
-            symbolValue(symbol).ifPresent(value -> {
-                try {
-                    item.symbol(symbol.key(), SemanticAspect.requireSettable(prototype,
-                            item.name(), symbol.key(), value));
-                } catch (IllegalArgumentException refused) {
-                    problems.addAtKey(symbol, refused.getMessage());
-                }
-            });
+            readSymbol(symbol, item);
         }
+    }
+
+    private void readSymbol(Node symbol, ItemDefinition.Builder item) {
+        symbolValue(symbol).ifPresent(value -> {
+            try {
+                item.symbol(symbol.key(), SemanticAspect.requireSettable(prototype,
+                        item.name(), symbol.key(), value));
+            } catch (IllegalArgumentException refused) {
+                problems.addAtKey(symbol, refused.getMessage());
+            }
+        });
     }
 
     /** A number of a symbol that has a unit may name another, as properties may. */
@@ -274,7 +334,12 @@ final class ItemReader {
     }
 
     private void readPhysics(Node aspect, String kind, ItemDefinition.Builder item) {
-        physics.read(aspect, kind, new PhysicsReader.Sink() {
+        physics.read(aspect, kind, sink(item));
+        physics.density(aspect, kind).ifPresent(value -> densities.read(value, aspect, item));
+    }
+
+    private PhysicsReader.Sink sink(ItemDefinition.Builder item) {
+        return new PhysicsReader.Sink() {
             @Override
             public void numbers(String property, double[] values) {
                 item.physics(property, values);
@@ -287,8 +352,7 @@ final class ItemReader {
                 targets.forEach(target -> references.add(new Reference(target,
                         property.refersTo().orElseThrow(), true)));
             }
-        });
-        physics.density(aspect, kind).ifPresent(value -> densities.read(value, aspect, item));
+        };
     }
 
     /** With a physics aspect, every reference of the kind must be there, each to another item. */
@@ -297,12 +361,17 @@ final class ItemReader {
             return;
         }
         Node aspect = item.get("physics").orElseThrow();
+        requireReferences(aspect::get, aspect, kind);
+    }
+
+    private void requireReferences(Function<String, Optional<Node>> values, Node aspect,
+            String kind) {
         Set<String> targets = new HashSet<>();
         for (PropertyDescriptor property : prototype.properties()) {
             if (!property.kind().equals(kind) || property.type() != ScalarType.REF) {
                 continue;
             }
-            Optional<Node> given = aspect.get(property.name());
+            Optional<Node> given = values.apply(property.name());
             if (given.isEmpty()) {
                 problems.addAtKey(aspect, "a " + kind + " needs `" + property.name() + "`: "
                         + property.doc());

@@ -42,14 +42,22 @@ final class PhysicalReader {
     }
 
     void read(Node aspect, ItemDefinition.Builder item) {
-        aspect.get("colour").ifPresent(node -> node.text().ifPresent(
-                colour -> attempt(node, () -> item.colour(colour))));
-        aspect.get("location").ifPresent(node -> quantities.numbers(node, 3, METRE)
-                .filter(at -> physics.fits(node, prototype.realType(), at))
-                .ifPresent(at -> item.at(at[0], at[1], at[2])));
-        aspect.get("orientation").ifPresent(node -> orientation(node, item));
+        aspect.children().forEach(value -> readPlaceOrColour(value, item));
         shape(aspect, item);
         aspect.get("material").filter(Node::isMapping).ifPresent(node -> material(node, item));
+    }
+
+    /** Takes the value of one key, if it is about where the item is or which colour it has. */
+    void readPlaceOrColour(Node value, ItemDefinition.Builder item) {
+        switch (value.key()) {
+            case "colour" -> value.text().ifPresent(
+                    colour -> attempt(value, () -> item.colour(colour)));
+            case "location" -> quantities.numbers(value, 3, METRE)
+                    .filter(at -> physics.fits(value, prototype.realType(), at))
+                    .ifPresent(at -> item.at(at[0], at[1], at[2]));
+            case "orientation" -> orientation(value, item);
+            default -> { }
+        }
     }
 
     private void orientation(Node node, ItemDefinition.Builder item) {

@@ -44,19 +44,23 @@ final class PhysicsReader {
             if (problems.full()) {
                 return;
             }
-            if (isDensity(value, kind)) {
-                continue;
+            if (!isDensity(value, kind)) {
+                readProperty(value, kind, sink);
             }
-            find(value, value.key(), kind).ifPresent(property -> {
-                if (property.type() == ScalarType.REF) {
-                    references(value, property)
-                            .ifPresent(targets -> sink.references(property, targets));
-                } else {
-                    numbers(value, property)
-                            .ifPresent(numbers -> sink.numbers(property.name(), numbers));
-                }
-            });
         }
+    }
+
+    /** Takes the value of the property that is its key. */
+    void readProperty(Node value, String kind, Sink sink) {
+        find(value, value.key(), kind).ifPresent(property -> {
+            if (property.type() == ScalarType.REF) {
+                references(value, property)
+                        .ifPresent(targets -> sink.references(property, targets));
+            } else {
+                numbers(value, property)
+                        .ifPresent(numbers -> sink.numbers(property.name(), numbers));
+            }
+        });
     }
 
     /** What mass and inertia follow from; a world that declares a property `density` has its own. */

@@ -4,6 +4,7 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.function.Function;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 
@@ -20,16 +21,28 @@ final class Template {
         Node make(double[] variables, long number);
     }
 
+    /** A value that formulas give. */
+    private record Part(String aspect, Maker maker) {}
+
+    /**
+     * What formulas gave in one repetition.
+     *
+     * @param aspect the mapping of the item that holds the value; empty for the item's own
+     * @param value under its key
+     */
+    record Made(String aspect, Node value) {}
+
     private final List<String> variables;
     private final Problems problems;
     private final Maker maker;
+    private final List<Part> parts = new ArrayList<>();
     private int made;
 
     /** @param variables the names that formulas may use; what is wrong with them is noted */
     Template(Node item, List<String> variables, Problems problems) {
         this.variables = variables;
         this.problems = problems;
-        this.maker = maker(item);
+        this.maker = item(item);
     }
 
     /** How many values are made anew for each item. */
@@ -47,15 +60,42 @@ final class Template {
         return maker.make(values, number);
     }
 
+    /** As {@link #make}, but only what differs between repetitions. */
+    List<Made> makeParts(double[] values, long number) {
+        List<Made> all = new ArrayList<>(parts.size());
+        for (Part part : parts) {
+            all.add(new Made(part.aspect, part.maker.make(values, number)));
+        }
+        return all;
+    }
+
+    private Maker item(Node item) {
+        return composed(item, child -> child.isMapping()
+                ? composed(child, value -> part(child.key(), value)) : part("", child));
+    }
+
+    private Maker part(String aspect, Node value) {
+        int before = made;
+        Maker valueMaker = maker(value);
+        if (made > before) {
+            parts.add(new Part(aspect, valueMaker));
+        }
+        return valueMaker;
+    }
+
+    private Maker composed(Node node, Function<Node, Maker> makerOf) {
+        int before = made;
+        List<Maker> makers = node.children().stream().map(makerOf).toList();
+        if (made == before) {
+            return (values, number) -> node;
+        }
+        made++;
+        return node.isMapping() ? mapping(node, makers) : list(node, makers);
+    }
+
     private Maker maker(Node node) {
         if (node.isMapping() || node.isList()) {
-            int before = made;
-            List<Maker> makers = node.children().stream().map(this::maker).toList();
-            if (made == before) {
-                return (values, number) -> node;
-            }
-            made++;
-            return node.isMapping() ? mapping(node, makers) : list(node, makers);
+            return composed(node, this::maker);
         }
         return node.text().filter(text -> text.indexOf('{') >= 0 || text.indexOf('}') >= 0)
                 .map(text -> text(node, text)).orElse((values, number) -> node);

@@ -11,8 +11,6 @@ import org.jspecify.annotations.Nullable;
 final class ItemIndex<K> {
 
     private static final int INITIAL_SLOTS = 64;
-    /** 2^32 over the golden ratio: keys that follow each other come to lie far apart. */
-    private static final int SPREAD = 0x9E3779B9;
 
     private final Function<Item, K> keyOf;
     private @Nullable Item[] slots = new Item[INITIAL_SLOTS];
@@ -29,16 +27,26 @@ final class ItemIndex<K> {
 
     /** Adds an item whose key no other has. */
     void add(Item item) {
-        if (4 * ++size > 3 * slots.length) {
+        makeRoom(1);
+        put(item);
+        size++;
+    }
+
+    /** Makes room for that many more. */
+    void makeRoom(int more) {
+        int wanted = slots.length;
+        while (4L * (size + more) > 3L * wanted) {
+            wanted = Math.multiplyExact(wanted, 2);
+        }
+        if (wanted > slots.length) {
             Item[] before = slots;
-            slots = new Item[2 * before.length];
-            for (Item other : before) {
-                if (other != null) {
-                    put(other);
+            slots = new Item[wanted];
+            for (Item item : before) {
+                if (item != null) {
+                    put(item);
                 }
             }
         }
-        put(item);
     }
 
     /** Removes an item that is in here. */
@@ -47,9 +55,8 @@ final class ItemIndex<K> {
         slots[gap] = null;
         size--;
         // What was put behind the gap because of the item moves up.
-        int mask = slots.length - 1;
         Item next;
-        for (int i = (gap + 1) & mask; (next = slots[i]) != null; i = (i + 1) & mask) {
+        for (int i = after(gap); (next = slots[i]) != null; i = after(i)) {
             slots[i] = null;
             put(next);
         }
@@ -61,17 +68,32 @@ final class ItemIndex<K> {
     }
 
     private void put(Item item) {
-        slots[slotOf(keyOf.apply(item))] = item;
+        int slot = start(keyOf.apply(item));
+        while (slots[slot] != null) {
+            slot = after(slot);
+        }
+        slots[slot] = item;
     }
 
-    /** Where the item of a key is, or where it would go. */
+    /** Where the item of a key is; an empty slot if there is none. */
     private int slotOf(K key) {
-        int mask = slots.length - 1;
-        int slot = key.hashCode() * SPREAD >>> Integer.numberOfLeadingZeros(mask);
+        int slot = start(key);
         Item there;
         while ((there = slots[slot]) != null && !keyOf.apply(there).equals(key)) {
-            slot = (slot + 1) & mask;
+            slot = after(slot);
         }
         return slot;
+    }
+
+    /** Similar keys come to lie far apart: the last steps of MurmurHash3 (A. Appleby, 2011). */
+    private int start(K key) {
+        int hash = key.hashCode();
+        hash = (hash ^ hash >>> 16) * 0x85EBCA6B;
+        hash = (hash ^ hash >>> 13) * 0xC2B2AE35;
+        return (hash ^ hash >>> 16) & (slots.length - 1);
+    }
+
+    private int after(int slot) {
+        return (slot + 1) & (slots.length - 1);
     }
 }

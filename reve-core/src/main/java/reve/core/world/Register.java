@@ -57,6 +57,8 @@ final class Register {
 
     /** Takes in items, whose ids are the highest, in their order. */
     void addAll(List<Item> items) {
+        byId.makeRoom(items.size());
+        byName.makeRoom(items.size());
         for (Item item : items) {
             byId.add(item);
             byName.add(item);

@@ -1,0 +1,60 @@
+package reve.core.file;
+
+import java.util.List;
+import java.util.Optional;
+import reve.core.world.ItemDefinition;
+
+/**
+ * An item that is repeated, as it is in its first repetition. The others are like it but for what
+ * formulas give, so that only this has to be read of them.
+ *
+ * @param node what was read
+ * @param definition what came of it
+ */
+record RepeatedItem(Node node, ItemDefinition definition) {
+
+    String kind() {
+        return definition.kind();
+    }
+
+    /** Whether each of the values can be read without the rest of the item. */
+    boolean differsInSingleValues(List<Template.Made> values) {
+        return values.stream().allMatch(made -> isSingle(made.aspect(), made.value().key()));
+    }
+
+    private boolean isSingle(String aspect, String key) {
+        return switch (aspect) {
+            case "" -> key.equals("name") || key.equals("parent");
+            case "physical" -> key.equals("location") || key.equals("orientation")
+                    || key.equals("colour");
+            case "semantic" -> true;
+            case "physics" -> !key.equals("density") && node.get("parent").isEmpty();
+            default -> false;
+        };
+    }
+
+    /** The name in another repetition. */
+    Node name(List<Template.Made> values) {
+        return find(values, "", "name").or(() -> node.get("name")).orElseThrow();
+    }
+
+    /** What the item moves with in another repetition. */
+    Optional<Node> parent(List<Template.Made> values) {
+        return find(values, "", "parent").or(() -> node.get("parent"));
+    }
+
+    /** A property of the physics aspect in another repetition. */
+    Optional<Node> physics(List<Template.Made> values, String property) {
+        return find(values, "physics", property)
+                .or(() -> node.get("physics").flatMap(aspect -> aspect.get(property)));
+    }
+
+    private static Optional<Node> find(List<Template.Made> values, String aspect, String key) {
+        for (Template.Made made : values) {
+            if (made.aspect().equals(aspect) && made.value().key().equals(key)) {
+                return Optional.of(made.value());
+            }
+        }
+        return Optional.empty();
+    }
+}
