@@ -51,6 +51,7 @@ InstanceRecord ToRecord(const Instance& instance, Shape shape, const Vector3f& o
   }
   record.colour = ToLinear(instance.colour);
   record.flags = instance.flags;
+  record.item = instance.item;
   return record;
 }
 
@@ -113,7 +114,7 @@ void Sort(const Scene& scene, const View& view, DrawList& list) {
     }
   }
   if (!scene.triangles.empty()) {
-    InstanceRecord record{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, {1, 1, 1}, 0};
+    InstanceRecord record{{1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0}, {1, 1, 1}, 0, 0};
     list[{{Shape::kMesh, kLooseTriangles}, 0, 0, 0}].push_back(record);
   }
   std::erase_if(list, [](const auto& entry) { return entry.second.empty(); });

@@ -17,8 +17,9 @@ struct InstanceRecord {
   std::array<float, 12> model;  ///< 3 x 4, by rows: unit shape to the camera's target frame
   std::array<float, 3> colour;  ///< linear
   uint32_t flags;               ///< ItemFlags
+  uint32_t item;                ///< 0 for loose triangles: their corners know
 };
-static_assert(sizeof(InstanceRecord) == 64);
+static_assert(sizeof(InstanceRecord) == 68);
 
 inline constexpr int kCoarsestSphere = 0, kFinestSphere = 5;
 

@@ -18,13 +18,15 @@ namespace vesper::render {
   X(BINDTEXTURE, BindTexture) X(BINDVERTEXARRAY, BindVertexArray) \
   X(BLITFRAMEBUFFER, BlitFramebuffer) X(BUFFERDATA, BufferData) X(BUFFERSUBDATA, BufferSubData) \
   X(CHECKFRAMEBUFFERSTATUS, CheckFramebufferStatus) X(CLEAR, Clear) \
+  X(CLEARBUFFERFV, ClearBufferfv) X(CLEARBUFFERUIV, ClearBufferuiv) \
   X(COMPILESHADER, CompileShader) X(CREATEPROGRAM, CreateProgram) X(CREATESHADER, CreateShader) \
   X(DELETEBUFFERS, DeleteBuffers) X(DELETEFRAMEBUFFERS, DeleteFramebuffers) \
   X(DELETEPROGRAM, DeleteProgram) X(DELETERENDERBUFFERS, DeleteRenderbuffers) \
   X(DELETESHADER, DeleteShader) X(DELETETEXTURES, DeleteTextures) \
   X(DELETEVERTEXARRAYS, DeleteVertexArrays) X(DEPTHFUNC, DepthFunc) X(DISABLE, Disable) \
   X(DISABLEVERTEXATTRIBARRAY, DisableVertexAttribArray) \
-  X(DRAWARRAYS, DrawArrays) X(DRAWBUFFER, DrawBuffer) X(DRAWELEMENTS, DrawElements) \
+  X(DRAWARRAYS, DrawArrays) X(DRAWBUFFER, DrawBuffer) X(DRAWBUFFERS, DrawBuffers) \
+  X(DRAWELEMENTS, DrawElements) \
   X(DRAWELEMENTSINSTANCED, DrawElementsInstanced) X(ENABLE, Enable) \
   X(ENABLEVERTEXATTRIBARRAY, EnableVertexAttribArray) \
   X(FRAMEBUFFERRENDERBUFFER, FramebufferRenderbuffer) \

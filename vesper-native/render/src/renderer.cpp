@@ -41,7 +41,10 @@ Renderer::Renderer(uint32_t max_samples)
                   shaders::kBackground + shaders::kBackgroundFragment),
       shadow_program_(gl_, shaders::kInstanceAttributes + shaders::kShadowVertex,
                       shaders::kShadowFragment),
-      line_program_(gl_, shaders::kLineVertex, shaders::kLineFragment) {
+      line_program_(gl_, shaders::kLineVertex, shaders::kLineFragment),
+      sense_program_(gl_, shaders::kInstanceAttributes + shaders::kSenseVertex,
+                     shaders::kSenseFragment),
+      sense_line_program_(gl_, shaders::kSenseLineVertex, shaders::kSenseFragment) {
   gl_.BindVertexArray(vertex_array_.id());
   gl_.PixelStorei(GL_PACK_ALIGNMENT, 1);
   gl_.Enable(GL_FRAMEBUFFER_SRGB);
@@ -53,14 +56,19 @@ GraphicsInfo Renderer::Info() const {
           gl_.Integer(GL_MAX_SAMPLES), gl_.Integer(GL_MAX_RENDERBUFFER_SIZE)};
 }
 
-const Pixels& Renderer::Render(const Scene& scene) {
-  PrepareTarget(scene.image);
-  const Extent extent = Measure(scene);
+View Renderer::Prepare(const Scene& scene, const Extent& extent) {
   const View view(scene.camera, scene.image, extent);
   Sort(scene, view, list_);
   PrepareMeshes(scene, view);
-  PrepareTextures(scene);
   UploadInstances();
+  return view;
+}
+
+const Pixels& Renderer::Render(const Scene& scene) {
+  PrepareTarget(scene.image);
+  const Extent extent = Measure(scene);
+  const View view = Prepare(scene, extent);
+  PrepareTextures(scene);
 
   std::optional<Eigen::Matrix4f> shadow;
   if (scene.image.shadows && scene.environment.light > 0 && !extent.casters.empty()) {
@@ -72,21 +80,56 @@ const Pixels& Renderer::Render(const Scene& scene) {
   DrawBackground(scene);
   gl_.Enable(GL_DEPTH_TEST);
   DrawSurfaces(scene, view, shadow ? &*shadow : nullptr);
-  DrawLines(scene, view);
+  DrawLines(scene, view, line_program_);
   gl_.Disable(GL_DEPTH_TEST);
   ReadPixels();
   gl_.Check("drawing");
   return pixels_;
 }
 
+const Seen& Renderer::Sense(const Scene& scene) {
+  PrepareSenseTarget(scene.image);
+  const View view = Prepare(scene, Measure(scene));
+  const auto width = static_cast<GLsizei>(scene.image.width);
+  const auto height = static_cast<GLsizei>(scene.image.height);
+  const GLuint nothing[4] = {};
+  const GLfloat nowhere[4] = {};
+  gl_.BindFramebuffer(GL_FRAMEBUFFER, sense_target_->framebuffer.id());
+  gl_.Viewport(0, 0, width, height);
+  gl_.Clear(GL_DEPTH_BUFFER_BIT);
+  gl_.ClearBufferuiv(GL_COLOR, 0, nothing);
+  gl_.ClearBufferfv(GL_COLOR, 1, nowhere);
+  gl_.Enable(GL_DEPTH_TEST);
+  sense_program_.Use();
+  gl_.UniformMatrix4fv(sense_program_["clip"], 1, GL_FALSE, view.clip().data());
+  for (const Draw& draw : draws_) {
+    if (draw.mesh->closed) gl_.Enable(GL_CULL_FACE);
+    DrawInstances(draw);
+    gl_.Disable(GL_CULL_FACE);
+  }
+  DrawLines(scene, view, sense_line_program_);
+  gl_.Disable(GL_DEPTH_TEST);
+
+  seen_.width = scene.image.width;
+  seen_.height = scene.image.height;
+  seen_.item.resize(size_t{seen_.width} * seen_.height);
+  seen_.depth.resize(seen_.item.size());
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT0);
+  gl_.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, seen_.item.data());
+  gl_.ReadBuffer(GL_COLOR_ATTACHMENT1);
+  gl_.ReadPixels(0, 0, width, height, GL_RED, GL_FLOAT, seen_.depth.data());
+  gl_.Check("sensing");
+  return seen_;
+}
+
 // --- what the picture is drawn into ----------------------------------------------------------
 
-GlObject Renderer::MakeStorage(const Target& target, uint32_t samples, GLenum format) const {
+GlObject Renderer::MakeStorage(const Image& image, uint32_t samples, GLenum format) const {
   GlObject storage = MakeRenderbuffer(gl_);
   gl_.BindRenderbuffer(GL_RENDERBUFFER, storage.id());
   gl_.RenderbufferStorageMultisample(GL_RENDERBUFFER, static_cast<GLsizei>(samples), format,
-                                     static_cast<GLsizei>(target.width),
-                                     static_cast<GLsizei>(target.height));
+                                     static_cast<GLsizei>(image.width),
+                                     static_cast<GLsizei>(image.height));
   return storage;
 }
 
@@ -112,17 +155,38 @@ void Renderer::PrepareTarget(const Image& image) {
   }
   target_.reset();
   Target target{image.width, image.height, samples, {}, {}, {}, {}, {}};
-  target.colour = MakeStorage(target, samples, GL_SRGB8_ALPHA8);
-  target.depth = MakeStorage(target, samples, GL_DEPTH_COMPONENT24);
+  target.colour = MakeStorage(image, samples, GL_SRGB8_ALPHA8);
+  target.depth = MakeStorage(image, samples, GL_DEPTH_COMPONENT24);
   target.framebuffer = MakeFramebuffer(gl_);
   if (samples > 0) {
-    target.averaged = MakeStorage(target, 0, GL_SRGB8_ALPHA8);
+    target.averaged = MakeStorage(image, 0, GL_SRGB8_ALPHA8);
     target.averaged_framebuffer = MakeFramebuffer(gl_);
   }
   gl_.Check("making room for a picture");
   Attach(target.framebuffer, target.colour, &target.depth);
   if (samples > 0) Attach(target.averaged_framebuffer, target.averaged, nullptr);
   target_ = std::move(target);
+}
+
+void Renderer::PrepareSenseTarget(const Image& image) {
+  if (sense_target_ && sense_target_->width == image.width &&
+      sense_target_->height == image.height) {
+    return;
+  }
+  sense_target_.reset();
+  SenseTarget target{image.width, image.height, MakeStorage(image, 0, GL_R32UI),
+                     MakeStorage(image, 0, GL_R32F), MakeStorage(image, 0, GL_DEPTH_COMPONENT32F),
+                     MakeFramebuffer(gl_)};
+  gl_.Check("making room for what is sensed");
+  Attach(target.framebuffer, target.item, &target.depth);
+  gl_.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT1, GL_RENDERBUFFER,
+                              target.distance.id());
+  constexpr GLenum kBoth[] = {GL_COLOR_ATTACHMENT0, GL_COLOR_ATTACHMENT1};
+  gl_.DrawBuffers(2, kBoth);
+  if (gl_.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+    throw GraphicsError("the graphics library cannot draw numbers of items and depths at once");
+  }
+  sense_target_ = std::move(target);
 }
 
 void Renderer::ReadPixels() {
@@ -232,6 +296,9 @@ void Renderer::DrawInstances(const Draw& draw) const {
   per_vertex(1, 3, offsetof(Vertex, normal));
   per_vertex(7, 2, offsetof(Vertex, coordinates));
   per_vertex(8, 3, offsetof(Vertex, colour));
+  gl_.EnableVertexAttribArray(10);
+  gl_.VertexAttribIPointer(10, 1, GL_UNSIGNED_INT, sizeof(Vertex), Offset(offsetof(Vertex, item)));
+  gl_.VertexAttribDivisor(10, 0);
 
   constexpr GLsizei kBytes = sizeof(InstanceRecord);
   const size_t first = draw.first * kBytes;
@@ -244,7 +311,9 @@ void Renderer::DrawInstances(const Draw& draw) const {
                           Offset(first + offsetof(InstanceRecord, colour)));
   gl_.VertexAttribIPointer(6, 1, GL_UNSIGNED_INT, kBytes,
                            Offset(first + offsetof(InstanceRecord, flags)));
-  for (GLuint at = 2; at <= 6; ++at) {
+  gl_.VertexAttribIPointer(9, 1, GL_UNSIGNED_INT, kBytes,
+                           Offset(first + offsetof(InstanceRecord, item)));
+  for (const GLuint at : {2, 3, 4, 5, 6, 9}) {
     gl_.EnableVertexAttribArray(at);
     gl_.VertexAttribDivisor(at, 1);
   }
@@ -394,7 +463,7 @@ void Renderer::DrawSurfaces(const Scene& scene, const View& view, const Eigen::M
   }
 }
 
-void Renderer::DrawLines(const Scene& scene, const View& view) {
+void Renderer::DrawLines(const Scene& scene, const View& view, const Program& program) {
   ExpandSegments(scene.segments, view, scene.image, line_vertices_);
   if (line_vertices_.empty()) return;
   const size_t lines = line_vertices_.size() / 4;
@@ -408,14 +477,16 @@ void Renderer::DrawLines(const Scene& scene, const View& view) {
     line_capacity_ = lines;
   }
   Fill(gl_, GL_ARRAY_BUFFER, line_buffer_, line_vertices_, GL_STREAM_DRAW);
-  line_program_.Use();
+  program.Use();
   gl_.VertexAttribPointer(0, 4, GL_FLOAT, GL_FALSE, sizeof(LineVertex),
                           Offset(offsetof(LineVertex, clip)));
   gl_.VertexAttribPointer(1, 4, GL_UNSIGNED_BYTE, GL_TRUE, sizeof(LineVertex),
                           Offset(offsetof(LineVertex, colour)));
-  for (GLuint at = 0; at <= 8; ++at) {
+  gl_.VertexAttribIPointer(2, 1, GL_UNSIGNED_INT, sizeof(LineVertex),
+                           Offset(offsetof(LineVertex, item)));
+  for (GLuint at = 0; at <= 10; ++at) {
     gl_.VertexAttribDivisor(at, 0);
-    if (at < 2) gl_.EnableVertexAttribArray(at);
+    if (at <= 2) gl_.EnableVertexAttribArray(at);
     else gl_.DisableVertexAttribArray(at);
   }
   gl_.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, line_indices_.id());

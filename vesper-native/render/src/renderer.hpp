@@ -24,6 +24,13 @@ struct GraphicsInfo {
   int max_samples, max_side;  ///< per pixel; [px]
 };
 
+/// What each pixel of a picture shows at its middle, rows from the bottom to the top.
+struct Seen {
+  uint32_t width = 0, height = 0;  ///< [px]
+  std::vector<uint32_t> item;      ///< (height x width), 0 where there is nothing
+  std::vector<float> depth;        ///< (height x width) along the view [m], 0 where there is nothing
+};
+
 /// Belongs to the thread that made it: a GL context is current on one thread.
 class Renderer {
  public:
@@ -36,6 +43,10 @@ class Renderer {
   /// until the next call. Throws GraphicsError; the renderer stays usable.
   const Pixels& Render(const Scene& scene);
 
+  /// What the pixels of that picture show: no samples, no blending. Depth is meaningless where the
+  /// camera is orthographic. As for Render.
+  const Seen& Sense(const Scene& scene);
+
  private:
   /// Which variant of the shaders draws a surface.
   struct Surface {
@@ -46,6 +57,10 @@ class Renderer {
   struct Target {
     uint32_t width, height, samples;
     GlObject colour, depth, framebuffer, averaged, averaged_framebuffer;
+  };
+  struct SenseTarget {
+    uint32_t width, height;
+    GlObject item, distance, depth, framebuffer;
   };
   struct ShadowMap {
     GlObject depth, framebuffer;
@@ -70,8 +85,10 @@ class Renderer {
     GLsizei count;
   };
 
+  View Prepare(const Scene& scene, const Extent& extent);
   void PrepareTarget(const Image& image);
-  GlObject MakeStorage(const Target& target, uint32_t samples, GLenum format) const;
+  void PrepareSenseTarget(const Image& image);
+  GlObject MakeStorage(const Image& image, uint32_t samples, GLenum format) const;
   void Attach(const GlObject& framebuffer, const GlObject& colour, const GlObject* depth) const;
   void PrepareShadowMap();
   void PrepareMeshes(const Scene& scene, const View& view);
@@ -85,7 +102,7 @@ class Renderer {
                           const Eigen::Matrix4f* shadow) const;
   void SetMaterial(const Program& program, const Material& material) const;
   void DrawInstances(const Draw& draw) const;
-  void DrawLines(const Scene& scene, const View& view);
+  void DrawLines(const Scene& scene, const View& view, const Program& program);
   void SetBackground(const Program& program, const Scene& scene) const;
   void ReadPixels();
   const Program& SurfaceProgram(const Surface& surface);
@@ -94,17 +111,19 @@ class Renderer {
   Gl gl_;
   uint32_t max_samples_;
   GlObject vertex_array_, instance_buffer_, line_buffer_, line_indices_;
-  Program background_, shadow_program_, line_program_;
+  Program background_, shadow_program_, line_program_, sense_program_, sense_line_program_;
   std::map<Surface, Program> surfaces_;  ///< made when needed
   std::map<MeshKey, GpuMesh> meshes_;
   std::map<uint32_t, GpuTexture> textures_;
   std::optional<Target> target_;
+  std::optional<SenseTarget> sense_target_;
   std::optional<ShadowMap> shadow_map_;
   DrawList list_;
   std::vector<Draw> draws_;
   std::vector<LineVertex> line_vertices_;
   size_t line_capacity_ = 0;  ///< lines that line_indices_ has indices for
   Pixels pixels_;
+  Seen seen_;
 };
 
 }  // namespace vesper::render

@@ -65,6 +65,7 @@ struct Instance {
   Vector3f size;                   ///< not negative
   Colour colour;
   uint32_t flags;  ///< ItemFlags
+  uint32_t item;   ///< the sender's number of what is shown; 0 for nothing
 };
 
 struct InstanceBatch {
@@ -78,12 +79,14 @@ struct InstanceBatch {
 struct Triangle {
   std::array<Vector3f, 3> corners;  ///< [m]
   std::array<Colour, 3> colours;    ///< of the corners
+  uint32_t item;                    ///< as of an instance
 };
 
 struct Segment {
   Vector3f from, to;  ///< [m]
   Colour colour;
-  float width;  ///< [px]
+  float width;    ///< [px]
+  uint32_t item;  ///< as of an instance
 };
 
 struct Scene {

@@ -240,6 +240,7 @@ InstanceBatch ReadInstances(Payload& in) {
   const Column<float, 3> size(in, count, "size");
   const Column<uint8_t, 4> colour(in, count, "colour");
   const Column<uint32_t, 1> flags(in, count, "item flags");
+  const Column<uint32_t, 1> item(in, count, "item");
   in.End();
   batch.instances.reserve(count);
   for (size_t i = 0; i < count; ++i) {
@@ -250,7 +251,7 @@ InstanceBatch ReadInstances(Payload& in) {
       in.Refuse(flags.Where(i) + " has unknown bits: " + std::to_string(item_flags));
     }
     batch.instances.push_back({ToVector(position[i]), ToOrientation(in, orientation, i), extent,
-                               colour[i], item_flags});
+                               colour[i], item_flags, item[i][0]});
   }
   return batch;
 }
@@ -283,6 +284,7 @@ void ReadTriangles(Payload& in, std::vector<Triangle>& triangles) {
   const uint32_t count = in.IntegerIn(0, kMaxItems, "number of triangles");
   const Column<float, 9> corners(in, count, "corners");
   const Column<uint8_t, 12> colours(in, count, "colours");
+  const Column<uint32_t, 1> item(in, count, "item");
   if (triangles.size() + count > kMaxItems) {
     in.Refuse("more than " + std::to_string(kMaxItems) + " triangles in one picture");
   }
@@ -295,6 +297,7 @@ void ReadTriangles(Payload& in, std::vector<Triangle>& triangles) {
       triangle.corners[corner] = {at[3 * corner], at[3 * corner + 1], at[3 * corner + 2]};
       std::copy_n(bytes.begin() + 4 * corner, 4, triangle.colours[corner].begin());
     }
+    triangle.item = item[i][0];
     triangles.push_back(triangle);
   }
 }
@@ -305,17 +308,26 @@ void ReadSegments(Payload& in, std::vector<Segment>& segments) {
   const Column<float, 3> from(in, count, "from");
   const Column<float, 3> to(in, count, "to");
   const Column<uint8_t, 4> colour(in, count, "colour");
+  const Column<uint32_t, 1> item(in, count, "item");
   if (segments.size() + count > kMaxItems) {
     in.Refuse("more than " + std::to_string(kMaxItems) + " segments in one picture");
   }
   segments.reserve(segments.size() + count);
   for (size_t i = 0; i < count; ++i) {
-    segments.push_back({ToVector(from[i]), ToVector(to[i]), colour[i], width});
+    segments.push_back({ToVector(from[i]), ToVector(to[i]), colour[i], width, item[i][0]});
   }
 }
 
-Request ReadRender(Payload& in) {
-  const bool to_file = in.IntegerIn(0, 1, "destination") == 1;
+Request ReadRender(Payload& in, bool orthographic) {
+  const uint32_t destination = in.IntegerIn(0, 2, "destination");
+  if (destination == 2) {
+    const uint32_t layers = in.IntegerIn(1, kColourLayer | kDepthLayer | kItemLayer, "layers");
+    if (orthographic && (layers & kDepthLayer) != 0) {
+      in.Refuse("there is no depth with an orthographic camera");
+    }
+    return {Request::Kind::kPixels, "", layers};
+  }
+  const bool to_file = destination == 1;
   const auto bytes = in.Rest();
   const std::string path(reinterpret_cast<const char*>(bytes.data()), bytes.size());
   if (to_file == path.empty()) {
@@ -327,7 +339,7 @@ Request ReadRender(Payload& in) {
     in.Refuse("the path is longer than " + std::to_string(kMaxPathBytes) +
               " bytes or has a zero byte in it");
   }
-  return {to_file ? Request::Kind::kFile : Request::Kind::kPng, path};
+  return {to_file ? Request::Kind::kFile : Request::Kind::kPng, path, 0};
 }
 
 void CheckHello(Payload& in) {
@@ -395,7 +407,7 @@ Request SceneDecoder::Decode(MessageType type, std::span<const std::byte> payloa
     case MessageType::kTriangles: ReadTriangles(in, scene_.triangles); break;
     case MessageType::kRender:
       if (!has_camera_) in.Refuse("no CAMERA came before it");
-      request = ReadRender(in);
+      request = ReadRender(in, scene_.camera.orthographic);
       break;
   }
   in.End();

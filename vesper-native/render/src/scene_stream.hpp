@@ -12,7 +12,7 @@
 
 namespace vesper::render {
 
-inline constexpr uint32_t kStreamVersion = 2;
+inline constexpr uint32_t kStreamVersion = 3;
 inline constexpr uint32_t kMaxMessageBytes = 256U << 20;
 
 enum class MessageType : uint32_t {
@@ -45,10 +45,14 @@ class MalformedStream : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What a picture of raw pixels consists of.
+enum Layers : uint32_t { kColourLayer = 1, kDepthLayer = 2, kItemLayer = 4 };
+
 /// What the sender waits for after a message.
 struct Request {
-  enum class Kind { kNothing, kHello, kPng, kFile } kind = Kind::kNothing;
-  std::string path;  ///< for kFile
+  enum class Kind { kNothing, kHello, kPng, kFile, kPixels } kind = Kind::kNothing;
+  std::string path;     ///< for kFile
+  uint32_t layers = 0;  ///< for kPixels: Layers
 };
 
 /// Decodes messages into a scene that grows until the renderer took it.

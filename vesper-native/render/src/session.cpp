@@ -75,22 +75,43 @@ void Session::Serve(const Request& request) {
     Answer(status, MicrosecondsSince(start), problem.what(), std::strlen(problem.what()));
   };
   try {
-    const Pixels& pixels = renderer_.Render(decoder_.scene());
+    if (request.kind == Request::Kind::kPixels) {
+      CollectPixels(request.layers);
+    } else {
+      EncodePng(renderer_.Render(decoder_.scene()), answer_);
+    }
     decoder_.NextPicture();
-    EncodePng(pixels, png_);
   } catch (const GraphicsError& problem) {
     decoder_.NextPicture();
     return refuse(Status::kGraphics, problem);
   }
-  if (request.kind == Request::Kind::kPng) {
-    return Answer(Status::kOk, MicrosecondsSince(start), png_.data(), png_.size());
+  if (request.kind != Request::Kind::kFile) {
+    return Answer(Status::kOk, MicrosecondsSince(start), answer_.data(), answer_.size());
   }
   try {
-    WriteFileAtOnce(request.path, png_);
+    WriteFileAtOnce(request.path, answer_);
   } catch (const std::runtime_error& problem) {
     return refuse(Status::kOutput, problem);
   }
   Answer(Status::kOk, MicrosecondsSince(start), nullptr, 0);
+}
+
+void Session::CollectPixels(uint32_t layers) {
+  answer_.clear();
+  const auto append = [this](const void* rows, size_t row_bytes, size_t height) {
+    const auto* first = static_cast<const std::byte*>(rows);
+    for (size_t row = height; row-- > 0;) {  // from the top
+      answer_.insert(answer_.end(), first + row * row_bytes, first + (row + 1) * row_bytes);
+    }
+  };
+  if (layers & kColourLayer) {
+    const Pixels& pixels = renderer_.Render(decoder_.scene());
+    append(pixels.rgb.data(), size_t{pixels.width} * 3, pixels.height);
+  }
+  if ((layers & (kDepthLayer | kItemLayer)) == 0) return;
+  const Seen& seen = renderer_.Sense(decoder_.scene());
+  if (layers & kDepthLayer) append(seen.depth.data(), seen.width * sizeof(float), seen.height);
+  if (layers & kItemLayer) append(seen.item.data(), seen.width * sizeof(uint32_t), seen.height);
 }
 
 void Session::Answer(Status status, uint32_t microseconds, const void* payload, size_t bytes) {

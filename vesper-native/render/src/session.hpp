@@ -33,12 +33,13 @@ class Session {
   /// Bytes read, less than asked for only at the end of the input.
   size_t ReadFully(void* to, size_t bytes);
   void Serve(const Request& request);
+  void CollectPixels(uint32_t layers);
   void Answer(Status status, uint32_t microseconds, const void* payload, size_t bytes);
 
   Renderer& renderer_;
   int input_, output_;
   SceneDecoder decoder_;
-  std::vector<std::byte> payload_, png_;
+  std::vector<std::byte> payload_, answer_;
 };
 
 }  // namespace vesper::render

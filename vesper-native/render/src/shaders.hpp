@@ -37,6 +37,8 @@ layout(location = 5) in vec3 colour;
 layout(location = 6) in uint flags;
 layout(location = 7) in vec2 coordinates;
 layout(location = 8) in vec3 vertex_colour;
+layout(location = 9) in uint instance_item;
+layout(location = 10) in uint vertex_item;
 vec3 placed() {
   vec4 p = vec4(position, 1.0);
   return vec3(dot(row_x, p), dot(row_y, p), dot(row_z, p));
@@ -196,6 +198,36 @@ void main() {
 )";
 
 inline const std::string kShadowFragment = "void main() {}\n";
+
+/// What is seen at the middle of a pixel: whose surface, and how deep it is.
+inline const std::string kSenseVertex = R"(
+uniform mat4 clip;
+flat out uint item;
+void main() {
+  item = instance_item | vertex_item;
+  gl_Position = clip * vec4(placed(), 1.0);
+}
+)";
+
+inline const std::string kSenseLineVertex = R"(
+layout(location = 0) in vec4 clip;
+layout(location = 2) in uint line_item;
+flat out uint item;
+void main() {
+  item = line_item;
+  gl_Position = clip;
+}
+)";
+
+inline const std::string kSenseFragment = R"(
+flat in uint item;
+layout(location = 0) out uint seen;
+layout(location = 1) out float depth;
+void main() {
+  seen = item;
+  depth = 1.0 / gl_FragCoord.w;  // a perspective view's w is the depth
+}
+)";
 
 inline const std::string kLineVertex = R"(
 layout(location = 0) in vec4 clip;

@@ -149,7 +149,7 @@ TriangleMesh ToTriangles(std::span<const Triangle> triangles, const Vector3f& or
     for (size_t corner = 0; corner < 3; ++corner) {
       mesh.indices.push_back(static_cast<uint32_t>(mesh.vertices.size()));
       mesh.vertices.push_back({triangle.corners[corner] - origin, normal, {0, 0},
-                               ToLinear(triangle.colours[corner])});
+                               ToLinear(triangle.colours[corner]), triangle.item});
     }
   }
   return mesh;

@@ -14,6 +14,7 @@ struct Vertex {
   Vector3f position, normal;
   std::array<float, 2> coordinates{0, 0};  ///< in the texture, from its upper left
   std::array<float, 3> colour{1, 1, 1};    ///< linear
+  uint32_t item = 0;                       ///< of a loose triangle
 };
 
 /// Counter-clockwise triangles seen from outside.

@@ -133,7 +133,7 @@ void ExpandSegments(std::span<const Segment> segments, const View& view, const I
     for (const Vector4f* end : {&a, &b}) {
       for (const float sign : {-1.0F, 1.0F}) {
         const Eigen::Vector2f corner = end->head<2>() + sign * end->w() * offset;
-        out.push_back({{corner.x(), corner.y(), end->z(), end->w()}, segment.colour});
+        out.push_back({{corner.x(), corner.y(), end->z(), end->w()}, segment.colour, segment.item});
       }
     }
   }

@@ -69,6 +69,7 @@ Matrix4f ShadowMatrix(const Vector3f& to_light, std::span<const Ball> casters);
 struct LineVertex {
   std::array<float, 4> clip;
   Colour colour;
+  uint32_t item;
 };
 
 /// Turns segments into rectangles of four vertices (corner order 0-1-2, 2-1-3) of their width in

@@ -57,15 +57,26 @@ class PictureTest : public testing::Test {
 
   /// Draws with a black background, one sample and no shadows unless the messages say otherwise.
   static Picture Draw(const std::vector<Message>& messages) {
-    Feed(Image(400, 300, 0, 0));
-    Feed(Environment(kBlack, kBlack, {0, 1, 0}, 0.5F, 0.25F));
-    for (const Message& message : messages) Feed(message);
+    Compose(messages);
     const Picture picture{renderer_->Render(decoder_->scene())};
     decoder_->NextPicture();
     return picture;
   }
 
+  /// What the pixels of that picture show, rows from the bottom.
+  static Seen Sense(const std::vector<Message>& messages) {
+    Compose(messages);
+    const Seen seen = renderer_->Sense(decoder_->scene());
+    decoder_->NextPicture();
+    return seen;
+  }
+
  private:
+  static void Compose(const std::vector<Message>& messages) {
+    Feed(Image(400, 300, 0, 0));
+    Feed(Environment(kBlack, kBlack, {0, 1, 0}, 0.5F, 0.25F));
+    for (const Message& message : messages) Feed(message);
+  }
   static void Feed(const Message& message) {
     const std::string bytes = message.Bytes();
     MessageHeader header;

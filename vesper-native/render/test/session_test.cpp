@@ -96,6 +96,32 @@ TEST_F(SessionTest, ItemsLastForOnePictureMeshesAndCameraForAll) {
   EXPECT_TRUE(replies[3].payload == replies[4].payload);
 }
 
+TEST_F(SessionTest, RawPixelsAreLayersFromTheTop) {
+  const std::vector<Message> scene{
+      Hello(), Image(4, 2, 0, 0), Environment({9, 9, 9, 255}, {9, 9, 9, 255}, {0, 1, 0}, 0, 1),
+      Perspective({0, 0, 1}, {0, 0, 0}, 1.0F),
+      Instances(2, {Item{{0, 5, -0.5F}, {100, 10, 1}, {255, 0, 0, 255}, 1, {0, 0, 0, 1}, 3}})};
+  std::vector<Message> stream = scene;
+  stream.push_back(RenderToPixels(7));
+  const Outcome outcome = RunProgram({}, Join(stream));
+  EXPECT_EQ(outcome.exit_code, kExitOk);
+  const std::string& output = outcome.output;
+  ASSERT_EQ(output.size(), 2 * sizeof(AnswerHeader) + 8 * (3 + 4 + 4));
+  const char* layers = output.data() + 2 * sizeof(AnswerHeader);
+  std::array<uint8_t, 24> colour;
+  std::array<float, 8> depth;
+  std::array<uint32_t, 8> item;
+  std::memcpy(colour.data(), layers, sizeof colour);
+  std::memcpy(depth.data(), layers + 24, sizeof depth);
+  std::memcpy(item.data(), layers + 56, sizeof item);
+  for (size_t i = 0; i < 8; ++i) {  // the upper row shows the box, the lower one nothing
+    EXPECT_EQ(item[i], i < 4 ? 3U : 0U);
+    EXPECT_NEAR(depth[i], i < 4 ? 1.0F : 0.0F, 1e-5F);
+    EXPECT_EQ(colour[3 * i], i < 4 ? 255 : 9);
+    EXPECT_EQ(colour[3 * i + 1], i < 4 ? 0 : 9);
+  }
+}
+
 TEST_F(SessionTest, WritesAFileAndNothingElse) {
   auto scene = SmallScene();
   const fs::path path = folder_ / "ein Bild \xc3\xa4.png";

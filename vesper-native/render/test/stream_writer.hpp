@@ -44,9 +44,10 @@ struct Item {
   Rgba colour{200, 200, 200, 255};
   uint32_t flags = 0;
   std::array<float, 4> orientation{0, 0, 0, 1};
+  uint32_t item = 0;
 };
 
-inline Message Hello() { return Message(1).Text("VSCN").U32(2); }
+inline Message Hello() { return Message(1).Text("VSCN").U32(3); }
 
 inline Message Image(uint32_t width, uint32_t height, uint32_t samples, uint32_t flags) {
   return Message(2).U32(width).U32(height).U32(samples).U32(flags);
@@ -88,12 +89,14 @@ inline Message Instances(uint32_t shape, const std::vector<Item>& items, uint32_
   for (const Item& item : items) message.Put(item.size);
   for (const Item& item : items) message.Put(item.colour);
   for (const Item& item : items) message.Put(item.flags);
+  for (const Item& item : items) message.Put(item.item);
   return message;
 }
 
 struct Line {
   Vec3 from, to;
   Rgba colour{0, 0, 0, 255};
+  uint32_t item = 0;
 };
 
 inline Message Segments(const std::vector<Line>& lines, float width) {
@@ -102,6 +105,7 @@ inline Message Segments(const std::vector<Line>& lines, float width) {
   for (const Line& line : lines) message.Put(line.from);
   for (const Line& line : lines) message.Put(line.to);
   for (const Line& line : lines) message.Put(line.colour);
+  for (const Line& line : lines) message.Put(line.item);
   return message;
 }
 
@@ -122,6 +126,7 @@ inline Message Material(uint32_t id, Rgba colour, float roughness, float metalli
 struct Corners {
   std::array<Vec3, 3> positions;
   std::array<Rgba, 3> colours;
+  uint32_t item = 0;
 };
 
 inline Message Triangles(const std::vector<Corners>& triangles) {
@@ -129,10 +134,12 @@ inline Message Triangles(const std::vector<Corners>& triangles) {
   message.U32(static_cast<uint32_t>(triangles.size()));
   for (const Corners& triangle : triangles) message.Put(triangle.positions);
   for (const Corners& triangle : triangles) message.Put(triangle.colours);
+  for (const Corners& triangle : triangles) message.Put(triangle.item);
   return message;
 }
 
 inline Message RenderToAnswer() { return Message(8).U32(0); }
+inline Message RenderToPixels(uint32_t layers) { return Message(8).U32(2).U32(layers); }
 inline Message RenderToFile(std::string_view path) { return Message(8).U32(1).Text(path); }
 
 }  // namespace vesper::render::test

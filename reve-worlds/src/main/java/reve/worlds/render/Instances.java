@@ -20,6 +20,7 @@ public final class Instances {
     private final GrowingColumn sizes = new GrowingColumn();
     private final GrowingColumn colours = new GrowingColumn();
     private final GrowingColumn flags = new GrowingColumn();
+    private final GrowingColumn items = new GrowingColumn();
 
     Instances() {}
 
@@ -53,12 +54,18 @@ public final class Instances {
         return this;
     }
 
+    /** @param number of what is shown there, positive; 0 for nothing that has one */
+    public Instances item(long number) {
+        items.add(Math.toIntExact(number));
+        return this;
+    }
+
     /** @throws IllegalStateException if a column has more rows than another */
     int count() {
-        return GrowingColumn.sharedRowCount(columns(), List.of(3, 4, 3, 1, 1));
+        return GrowingColumn.sharedRowCount(columns(), List.of(3, 4, 3, 1, 1, 1));
     }
 
     List<GrowingColumn> columns() {
-        return List.of(positions, orientations, sizes, colours, flags);
+        return List.of(positions, orientations, sizes, colours, flags, items);
     }
 }

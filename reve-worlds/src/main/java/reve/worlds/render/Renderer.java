@@ -56,7 +56,7 @@ public final class Renderer implements AutoCloseable {
      * @throws IllegalStateException if a row of the scene lacks a value
      */
     public byte[] render(Scene scene) {
-        return picture(scene, "");
+        return picture(scene, stream -> stream.render(scene, ""));
     }
 
     /**
@@ -65,7 +65,19 @@ public final class Renderer implements AutoCloseable {
      * @throws RenderException if there is no picture; a file that was there is untouched
      */
     public void render(Scene scene, Path file) {
-        picture(scene, file.toAbsolutePath().toString());
+        picture(scene, stream -> stream.render(scene, file.toAbsolutePath().toString()));
+    }
+
+    /**
+     * What the pixels of a scene show.
+     *
+     * @param layers sum of {@link PixelLayers#COLOUR}, {@link PixelLayers#DEPTH} and
+     *     {@link PixelLayers#ITEM}, at least one of them
+     * @throws RenderException if there are none; the next ones may succeed
+     */
+    public PixelLayers pixels(Scene scene, int layers) {
+        byte[] bytes = picture(scene, stream -> stream.pixels(scene, layers));
+        return PixelLayers.of(scene.image(), layers, bytes);
     }
 
     /** Ends the process, and with an exception the picture being made. */
@@ -82,14 +94,19 @@ public final class Renderer implements AutoCloseable {
         return live != null && live.isAlive() ? live.pid() : -1;
     }
 
-    private byte[] picture(Scene scene, String path) {
+    /** What is asked of the program. */
+    private interface Question {
+        SceneStream.Answer ask(SceneStream stream) throws IOException;
+    }
+
+    private byte[] picture(Scene scene, Question question) {
         scene.requireComplete();
         one.lock();
         try {
             for (int attempt = 1; ; attempt++) {
                 var expired = new AtomicBoolean();
                 try {
-                    return attempt(scene, path, expired);
+                    return attempt(question, expired);
                 } catch (IOException cut) {
                     explain(cut, expired.get(), attempt);
                 }
@@ -99,14 +116,14 @@ public final class Renderer implements AutoCloseable {
         }
     }
 
-    private byte[] attempt(Scene scene, String path, AtomicBoolean expired) throws IOException {
+    private byte[] attempt(Question question, AtomicBoolean expired) throws IOException {
         var alarm = watch.schedule(() -> {
             expired.set(true);
             killRunning();
         }, deadline.toNanos(), TimeUnit.NANOSECONDS);
         try {
             RenderProcess live = running();
-            SceneStream.Answer answer = live.stream().render(scene, path);
+            SceneStream.Answer answer = question.ask(live.stream());
             return switch (answer.status()) {
                 case SceneStream.OK -> answer.payload();
                 case SceneStream.MALFORMED -> {

@@ -4,7 +4,6 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.util.List;
 import java.util.Optional;
-import java.util.function.Consumer;
 import reve.core.world.ColumnView;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
@@ -18,7 +17,8 @@ import reve.core.world.WorldSnapshot;
 
 /**
  * Shows a world as it was at the end of a frame: its bodies by shape and material, its springs as
- * lines, its surfaces as triangles in the colours of the bodies at their corners. A body whose
+ * lines, its surfaces as triangles in the colours of the bodies at their corners. The number of
+ * what is shown is the value of its {@link ItemId}. A body whose
  * colour has alpha 0 is hidden, and so is a surface between three such bodies. Planes get a grid; a world without planes stands over a faint ground that fades, so that depth and
  * motion can be read.
  *
@@ -125,16 +125,20 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
 
     private static void addSurfaces(Box box, WorldSnapshot snapshot, TableSnapshot bodies) {
         var position = new Reals(bodies, "position");
-        forEachSurface(snapshot, bodies, corners -> {
+        forEachSurface(snapshot, bodies, (surface, corners) -> {
             for (int row : corners) {
                 box.add(position, position, row * 3L);
             }
         });
     }
 
-    /** Hands over the rows of the bodies at the corners of each surface that is seen. */
+    /** Takes a surface that is seen, and the rows of the bodies at its corners. */
+    private interface SurfaceVisitor {
+        void visit(ItemId surface, int[] corners);
+    }
+
     private static void forEachSurface(WorldSnapshot snapshot, TableSnapshot bodies,
-            Consumer<int[]> corners) {
+            SurfaceVisitor visitor) {
         MemorySegment colour = bodies.column("colour").segment();
         for (TableSnapshot surfaces : snapshot.tables()) {
             if (!surfaces.kind().equals(WorldPrototype.SURFACE)) {
@@ -151,7 +155,7 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
                     seen |= rows[corner] >= 0 && !isHidden(colour.getAtIndex(INT, rows[corner]));
                 }
                 if (seen && complete) {
-                    corners.accept(rows);
+                    visitor.visit(surfaces.idAt(row), rows);
                 }
             }
         }
@@ -204,6 +208,7 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
                 }
                 instances.colour(rgba);
                 instances.flags(code == Shape.PLANE ? Instances.GRID : 0);
+                instances.item(bodies.idAt(row).value());
             }
             hasPlane |= code == Shape.PLANE;
         }
@@ -245,13 +250,14 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         Point centre = bounds.centre();
         scene.instances(Shape.PLANE, Material.DEFAULT).position(centre.x(), level, centre.z())
                 .orientation(0, 0, 0, 1).size(GROUND_SIDE * side, 0, GROUND_SIDE * side)
-                .colour(GROUND_RGBA).flags(Instances.GRID | Instances.FADE);
+                .colour(GROUND_RGBA).flags(Instances.GRID | Instances.FADE).item(0);
     }
 
     private static void addSurfaces(Scene scene, WorldSnapshot snapshot, TableSnapshot bodies) {
         var position = new Reals(bodies, "position");
         MemorySegment colour = bodies.column("colour").segment();
-        forEachSurface(snapshot, bodies, corners -> {
+        forEachSurface(snapshot, bodies, (surface, corners) -> {
+            scene.triangles().item(surface.value());
             for (int row : corners) {
                 long at = 3L * row;
                 scene.triangles().corner(position.at(at), position.at(at + 1),
@@ -271,7 +277,7 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
             if (from < 0 || to < 0) {
                 continue;
             }
-            scene.segments(width).colour(SPRING_RGBA)
+            scene.segments(width).colour(SPRING_RGBA).item(springs.idAt(row).value())
                     .from(position.at(from), position.at(from + 1), position.at(from + 2))
                     .to(position.at(to), position.at(to + 1), position.at(to + 2));
         }

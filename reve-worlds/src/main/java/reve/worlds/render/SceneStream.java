@@ -22,7 +22,7 @@ import reve.core.world.Mesh;
 import reve.core.world.Texture;
 
 /**
- * Our end of the scene stream, version 2 (vesper-native/render/SCENE.md): writes messages, reads
+ * Our end of the scene stream, version 3 (vesper-native/render/SCENE.md): writes messages, reads
  * answers, and knows which meshes and textures the other
  * end has.
  */
@@ -31,7 +31,7 @@ final class SceneStream {
     static final int OK = 0;
     static final int MALFORMED = 1;
 
-    private static final int VERSION = 2;
+    private static final int VERSION = 3;
     private static final byte[] MAGIC = "VSCN".getBytes(StandardCharsets.US_ASCII);
     private static final int HELLO = 1;
     private static final int IMAGE = 2;
@@ -44,12 +44,15 @@ final class SceneStream {
     private static final int TEXTURE = 9;
     private static final int MATERIAL = 10;
     private static final int TRIANGLES = 11;
+    private static final int TO_ANSWER = 0;
+    private static final int TO_FILE = 1;
+    private static final int TO_PIXELS = 2;
     private static final int NORMALS = 1;
     private static final int COORDINATES = 2;
     private static final int COLOURS = 4;
     private static final int MAX_ANSWER_BYTES = 256 << 20;
 
-    /** What came back: the PNG or nothing if OK, else the reason. */
+    /** What came back: the PNG, the pixels or nothing if OK, else the reason. */
     record Answer(int status, byte[] payload) {
         String reason() {
             return new String(payload, StandardCharsets.UTF_8);
@@ -84,8 +87,19 @@ final class SceneStream {
      * @param path the file to write, or empty for a picture in the answer
      */
     Answer render(Scene scene, String path) throws IOException {
+        byte[] bytes = path.getBytes(StandardCharsets.UTF_8);
+        return answer(scene, path.isEmpty() ? TO_ANSWER : TO_FILE, ByteBuffer.wrap(bytes));
+    }
+
+    /** Sends a scene and waits for its pixels. @param layers as {@link PixelLayers} */
+    Answer pixels(Scene scene, int layers) throws IOException {
+        ByteBuffer wanted = ByteBuffer.allocate(4).order(ByteOrder.LITTLE_ENDIAN).putInt(layers);
+        return answer(scene, TO_PIXELS, wanted.flip());
+    }
+
+    private Answer answer(Scene scene, int destination, ByteBuffer what) throws IOException {
         try {
-            write(scene, path);
+            write(scene, destination, what);
         } catch (IOException cut) {
             return lastWords(cut);
         }
@@ -102,7 +116,7 @@ final class SceneStream {
         }
     }
 
-    private void write(Scene scene, String path) throws IOException {
+    private void write(Scene scene, int destination, ByteBuffer what) throws IOException {
         writeSettings(scene);
         writeMeshes(scene);
         Map<Material, Integer> materials = writeMaterials(scene);
@@ -117,8 +131,8 @@ final class SceneStream {
         }
         begin(TRIANGLES).putInt(scene.triangles().count());
         end(scene.triangles().columns());
-        begin(RENDER).putInt(path.isEmpty() ? 0 : 1);
-        endWith(List.of(ByteBuffer.wrap(path.getBytes(StandardCharsets.UTF_8))));
+        begin(RENDER).putInt(destination);
+        endWith(List.of(what));
         out.flush();
     }
 

@@ -8,6 +8,7 @@ public final class Segments {
     private final GrowingColumn starts = new GrowingColumn();
     private final GrowingColumn ends = new GrowingColumn();
     private final GrowingColumn colours = new GrowingColumn();
+    private final GrowingColumn items = new GrowingColumn();
 
     Segments() {}
 
@@ -29,12 +30,18 @@ public final class Segments {
         return this;
     }
 
+    /** @param number of what is shown there, positive; 0 for nothing that has one */
+    public Segments item(long number) {
+        items.add(Math.toIntExact(number));
+        return this;
+    }
+
     /** @throws IllegalStateException if a column has more rows than another */
     int count() {
-        return GrowingColumn.sharedRowCount(columns(), List.of(3, 3, 1));
+        return GrowingColumn.sharedRowCount(columns(), List.of(3, 3, 1, 1));
     }
 
     List<GrowingColumn> columns() {
-        return List.of(starts, ends, colours);
+        return List.of(starts, ends, colours, items);
     }
 }

@@ -7,6 +7,7 @@ public final class Triangles {
 
     private final GrowingColumn corners = new GrowingColumn();
     private final GrowingColumn colours = new GrowingColumn();
+    private final GrowingColumn items = new GrowingColumn();
 
     Triangles() {}
 
@@ -21,12 +22,18 @@ public final class Triangles {
         return this;
     }
 
+    /** @param number of the triangle that these corners belong to, positive; 0 for nothing that has one */
+    public Triangles item(long number) {
+        items.add(Math.toIntExact(number));
+        return this;
+    }
+
     /** @throws IllegalStateException if the last triangle lacks a corner */
     int count() {
-        return GrowingColumn.sharedRowCount(columns(), List.of(9, 3));
+        return GrowingColumn.sharedRowCount(columns(), List.of(9, 3, 1));
     }
 
     List<GrowingColumn> columns() {
-        return List.of(corners, colours);
+        return List.of(corners, colours, items);
     }
 }

@@ -49,7 +49,7 @@ class RendererIT {
 
     private static void add(Instances instances, double x, int rgba) {
         instances.position(x, 0, 0).orientation(0, 0, 0, 1).size(1, 0.5, 1).colour(rgba)
-                .flags(Instances.UNLIT);
+                .flags(Instances.UNLIT).item(0);
     }
 
     private static Scene redBox() {
@@ -70,7 +70,7 @@ class RendererIT {
     void columnsArriveAsThePicture() {
         Scene scene = redBox();
         add(scene.instances(Shape.SPHERE), -1, BLUE);
-        scene.segments(4).from(-2, 1, 0).to(2, 1, 0).colour(Colour.parse("#00ff00").rgba());
+        scene.segments(4).from(-2, 1, 0).to(2, 1, 0).colour(Colour.parse("#00ff00").rgba()).item(0);
         Picture picture = Picture.decode(renderer.render(scene));
         assertThat(picture.image().getWidth()).isEqualTo(160);
         assertThat(picture.image().getHeight()).isEqualTo(120);
@@ -90,7 +90,7 @@ class RendererIT {
         for (int i = 0; i < 5000; i++) {
             scene.instances(Shape.BOX).position((i % 100 - 49.5) * 0.1, (i / 100 - 24.5) * 0.05, 0)
                     .orientation(0, 0, 0, 1).size(0.1, 0.05, 0.1).colour(RED)
-                    .flags(Instances.UNLIT);
+                    .flags(Instances.UNLIT).item(0);
         }
         Picture picture = Picture.decode(renderer.render(scene));
         assertThat(picture.count(colour -> colour == 0xff0000)).isEqualTo(400 * 100);
@@ -103,12 +103,12 @@ class RendererIT {
         var half = new Mesh(new float[] {-1, -1, 0, 1, -1, 0, 1, 1, 0}, new int[] {0, 1, 2});
         Scene squares = scene();
         squares.instances(square).position(0, 0, 0).orientation(0, 0, 0, 1).size(1, 1, 1)
-                .colour(RED).flags(Instances.UNLIT);
+                .colour(RED).flags(Instances.UNLIT).item(0);
         Scene both = scene();
         both.instances(half).position(-1, 0, 0).orientation(0, 0, 0, 1).size(0.5, 0.5, 1)
-                .colour(BLUE).flags(Instances.UNLIT);
+                .colour(BLUE).flags(Instances.UNLIT).item(0);
         both.instances(square).position(1, 0, 0).orientation(0, 0, 0, 1).size(0.5, 0.5, 1)
-                .colour(RED).flags(Instances.UNLIT);
+                .colour(RED).flags(Instances.UNLIT).item(0);
         byte[] first = renderer.render(squares);
         assertThat(Picture.decode(first).count(colour -> colour == 0xff0000)).isEqualTo(80 * 80);
         Picture two = Picture.decode(renderer.render(both));

@@ -2,6 +2,7 @@ package reve.worlds.render;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+import static org.assertj.core.api.Assertions.within;
 
 import java.nio.ByteBuffer;
 import java.nio.file.Path;
@@ -64,6 +65,41 @@ class SceneBuilderIT {
         int wanted = rgb >> shift & 0xff;
         return wanted > 2 * ((rgb >> (shift + 8) % 24) & 0xff)
                 && wanted > 2 * ((rgb >> (shift + 16) % 24) & 0xff);
+    }
+
+    @Test
+    void everyPixelKnowsItsItemAndItsDepth() {
+        World world = world("si-f64");
+        long ball = world.add(ball("ball", "#ff0000").at(-5, 5, 0).physics("mass", 1).build())
+                .id().value();
+        long box = world.add(ItemDefinition.named("box").shape(Shape.box(4, 2, 2)).at(5, 5, 0)
+                .physics("mass", 1).build()).id().value();
+        long spring = world.add(ItemDefinition.named("spring").kind("spring")
+                .physics("springConstant", 1).physics("length", 1).reference("end1", "ball")
+                .reference("end2", "box").build()).id().value();
+        world.add(ItemDefinition.named("glass").shape(Shape.box(20, 20, 1)).colour("#00000000")
+                .at(0, 0, 9).build());
+        var front = Camera.perspective(new Point(0, 0, 50), new Point(0, 0, 0),
+                new Point(0, 1, 0), 2 * Math.atan(0.2));
+        try (var renderer = new Renderer(
+                Path.of(System.getProperty("reve.native.path", "build/native")),
+                Renderer.DEFAULT_DEADLINE)) {
+            PixelLayers seen = renderer.pixels(build(world, Optional.of(front)),
+                    PixelLayers.COLOUR | PixelLayers.DEPTH | PixelLayers.ITEM);
+            ByteBuffer item = seen.item().orElseThrow();
+            ByteBuffer depth = seen.depth().orElseThrow();
+            int row = 50 * 200; // 10 pixels per metre at the target: y = 5
+            assertThat(item.getInt(4 * (row + 50))).isEqualTo((int) ball);
+            assertThat(item.getInt(4 * (row + 100))).isEqualTo((int) spring);
+            assertThat(item.getInt(4 * (row + 150))).isEqualTo((int) box);
+            assertThat(item.getInt(4 * (150 * 200 + 100))).isZero();
+            assertThat(depth.getFloat(4 * (row + 150))).isCloseTo(49, within(1e-3f));
+            assertThat(depth.getFloat(4 * (row + 100))).isCloseTo(50, within(0.05f));
+            assertThat(seen.colour().orElseThrow().get(3 * (row + 50))).isNotZero();
+            assertThat(renderer.pixels(build(world, Optional.of(front)), PixelLayers.ITEM))
+                    .isEqualTo(new PixelLayers(200, 200, Optional.empty(), Optional.empty(),
+                            seen.item()));
+        }
     }
 
     @ParameterizedTest
