@@ -13,6 +13,7 @@ import reve.worlds.cli.ReplayCommand;
 import reve.worlds.cli.RunCommand;
 import reve.worlds.cli.ServeCommand;
 import reve.worlds.cli.SnapshotCommand;
+import reve.worlds.cli.TokenCommand;
 
 /** The {@code ./reve} command line: parses arguments, picks a command, turns failures into exit codes. */
 @Command(
@@ -28,6 +29,7 @@ import reve.worlds.cli.SnapshotCommand;
             SnapshotCommand.class,
             CheckCommand.class,
             DemoCommand.class,
+            TokenCommand.class,
         },
         footer = {
             "",

@@ -10,12 +10,16 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.time.Clock;
+import java.util.regex.Pattern;
 
 /**
  * A record of exactly what each client was told, and when: one JSON object per message, appended to a file at the
- * moment in which the message is written to the connection. What cannot be recorded is not told. Any thread.
+ * moment in which the message is written to the connection; of secrets, only that they were told. What cannot be
+ * recorded is not told. Any thread.
  */
 final class AuditLog implements Closeable {
+
+    private static final Pattern SECRET = Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
 
     private final OutputStream out;
     private final Clock clock;
@@ -34,12 +38,17 @@ final class AuditLog implements Closeable {
                 ? new String(line.array(), 0, line.remaining() - 1, StandardCharsets.UTF_8)
                 : MessagePackReader.read(line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES))
                         .toString();
-        String entry = "{\"at\":\"" + clock.instant() + "\",\"client\":\"" + client + "\",\"message\":" + json + "}\n";
+        String entry = "{\"at\":\"" + clock.instant() + "\",\"client\":\"" + client + "\",\"message\":" + withoutSecret(json)
+                + "}\n";
         try {
             out.write(entry.getBytes(StandardCharsets.UTF_8));
         } catch (IOException e) {
             throw new UncheckedIOException("what clients are told cannot be recorded", e);
         }
+    }
+
+    private static String withoutSecret(String json) {
+        return json.startsWith("{\"t\":\"welcome\"") ? SECRET.matcher(json).replaceFirst("…") : json;
     }
 
     @Override

@@ -1,5 +1,6 @@
 package reve.worlds.cli;
 
+import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -26,18 +27,14 @@ import reve.worlds.server.WorldServer;
         name = "serve",
         description = "Runs a world that agents can join and laws can be dropped into, until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
-    /** The port of the protocol, see agents/protocol/PROTOCOL.md. */
-    static final String DEFAULT_PORT = "7777";
-
     @Spec
     private CommandSpec spec = CommandSpec.create();
 
     @Mixin
     private WorldArgument world = new WorldArgument();
 
-    @Option(names = "--port", paramLabel = "N", defaultValue = DEFAULT_PORT,
-            description = "Loopback port for agents, 0 for any free one (default: ${DEFAULT-VALUE}).")
-    private int port;
+    @Mixin
+    private ListenOptions listen = new ListenOptions();
 
     @Option(names = "--laws", paramLabel = "DIR",
             description = "Folder to watch: law libraries dropped here act, removed ones stop.")
@@ -82,7 +79,7 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
-        requirePort();
+        AgentServerConfig agents = agents();
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         List<Long> pictureFrames = new ArrayList<>();
@@ -95,7 +92,7 @@ public final class ServeCommand implements Callable<Integer> {
         Pictures pictures = new Pictures(snapshots, pictureFrames);
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json)) {
             WorldServer server = new WorldServer(description, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                    agents(), laws, persistence(), pictures, events);
+                    agents, laws, persistence(), pictures, events);
             try (Interrupt _ = new Interrupt(server::stop)) {
                 ServerReport report;
                 try (server) {
@@ -116,15 +113,8 @@ public final class ServeCommand implements Callable<Integer> {
         return new Persistence(world.folder(), record, store, storeEvery, durability);
     }
 
-    private AgentServerConfig agents() {
-        AgentServerConfig config = AgentServerConfig.onPort(port);
+    private AgentServerConfig agents() throws IOException {
+        AgentServerConfig config = listen.config();
         return audit.map(config::withAudit).orElse(config);
-    }
-
-    private void requirePort() {
-        if (port < 0 || port > 65_535) {
-            throw new ParameterException(spec.commandLine(),
-                    "--port is " + port + ", expected 0 (any free one) to 65535");
-        }
     }
 }

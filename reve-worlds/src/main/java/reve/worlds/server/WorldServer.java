@@ -112,7 +112,7 @@ public final class WorldServer implements AutoCloseable {
         }
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("world", simulation.description().name());
-        fields.put("agents", "127.0.0.1:" + port());
+        fields.put("agents", agents.address().getHostString() + ":" + port());
         fields.put("agentPort", port());
         AgentPolicy policy = simulation.description().agents();
         if (policy.bodies().isEmpty() && policy.template().isEmpty()) {

@@ -1,0 +1,131 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.time.Duration;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.stream.Stream;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.agent.AgentClient;
+import reve.agent.DisconnectedException;
+import reve.agent.Join;
+import reve.agent.Trust;
+import reve.tests.Reve.Outcome;
+
+/** Does what docs/security.md says, block by block, and what it says not to. */
+class SecurityIT {
+    private final Path folder;
+    private final Shell shell;
+    private final Document page;
+
+    SecurityIT(@TempDir Path folder) throws IOException {
+        this.folder = folder;
+        shell = new Shell(folder);
+        page = Document.read(Project.ROOT.resolve("docs/security.md"));
+    }
+
+    @Test
+    void agentsComeInByTheirTokensOverTlsAndNoSecretIsWrittenDown() throws Exception {
+        assertThat(run("token.sh")).contains("ada roles=[agent]", "boss roles=[control, observer] expires=");
+        run("certificate.sh");
+        List<String> secrets = new ArrayList<>(List.of(read("ada.token"), read("boss.token")));
+        String serve = "REVE_LOG=DEBUG " + page.titled("serve.sh").text().strip()
+                + " --audit audit.jsonl --record run.log --store store.db";
+        try (Server server = shell.serve(serve)) {
+            int port = Integer.parseInt(server.port());
+            assertThat(python(port)).contains("ada is ada in spring-orbit");
+            assertThat(java(port)).contains("spring-orbit has ");
+            secrets.add(refusals(port));
+            server.process().toHandle().destroy();
+            server.exitCode();
+        }
+        for (Path file : files()) {
+            String text = Files.readString(file, StandardCharsets.ISO_8859_1);
+            assertThat(secrets).as(file.toString()).noneMatch(text::contains);
+        }
+    }
+
+    /** @return a session's secret */
+    private String refusals(int port) throws Exception {
+        Join ada = Join.as("ada").withGrace(Duration.ofSeconds(5));
+        Path trusted = folder.resolve("server.crt");
+        refused(port, ada, "tls-expected");
+        refused(port, ada.withTls(Trust.system()), "tls-failed");
+        refused(port, ada.withTls(Trust.file(trusted)), "bad-token");
+        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("boss.token")), "not-permitted");
+        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("ada.token")).withRole("control"),
+                "not-permitted");
+        try (AgentClient client = AgentClient.connect("localhost", port,
+                ada.withTls(Trust.file(trusted)).withToken(read("ada.token")))) {
+            String session = client.welcome().session().orElseThrow().token();
+            shell.run("\"$REVE/reve\" token revoke ada --file tokens.json");
+            assertThatExceptionOfType(DisconnectedException.class).isThrownBy(() -> {
+                while (true) {
+                    client.perceive();
+                }
+            }).satisfies(e -> assertThat(e.code()).isEqualTo("token-revoked"));
+            return session;
+        }
+    }
+
+    private static void refused(int port, Join join, String code) {
+        assertThatExceptionOfType(DisconnectedException.class)
+                .isThrownBy(() -> AgentClient.connect("localhost", port, join).close())
+                .satisfies(e -> assertThat(e.code()).isEqualTo(code));
+    }
+
+    @Test
+    void anAddressThatOthersReachTakesTokensAndTls() throws Exception {
+        String world = Project.WORLDS.resolve("spring-orbit").toString();
+        Outcome open = Reve.run("serve", world, "--listen", "0.0.0.0", "--port", "0");
+        assertThat(open.code()).isEqualTo(5);
+        assertThat(open.err()).contains("./reve token new NAME --file tokens.json", "openssl req -x509",
+                "--tokens tokens.json --tls-certificate server.crt --tls-key server.key");
+        Outcome half = Reve.run("serve", world, "--tls-key", "server.key", "--port", "0");
+        assertThat(half.code()).isEqualTo(2);
+        assertThat(half.err()).contains("belong together");
+        Outcome missing = Reve.run("serve", world, "--tokens", folder.resolve("none.json").toString());
+        assertThat(missing.code()).isEqualTo(1);
+        assertThat(missing.err()).contains("none.json", "./reve token new");
+        Outcome unknown = Reve.run("token", "revoke", "ada", "--file", folder.resolve("none.json").toString());
+        assertThat(unknown.code()).isEqualTo(1);
+        assertThat(Reve.run("token", "new", "a b").err()).contains("no name for a client");
+        assertThat(Reve.run("token").err()).contains("new, list, revoke");
+    }
+
+    private String run(String block) throws Exception {
+        return shell.run(page.titled(block).text());
+    }
+
+    private String python(int port) throws Exception {
+        write("ada.py", port);
+        return shell.run("PYTHONPATH=\"$REVE/agents/python\" python3 ada.py");
+    }
+
+    private String java(int port) throws Exception {
+        write("Boss.java", port);
+        return shell.run(System.getProperty("java.home") + "/bin/java -cp \"$REVE/build/stage/lib/*\" Boss.java");
+    }
+
+    private void write(String program, int port) throws IOException {
+        Files.writeString(folder.resolve(program), page.titled(program).text().replace("7777", "" + port));
+    }
+
+    private String read(String file) throws IOException {
+        return Files.readString(folder.resolve(file)).strip();
+    }
+
+    /** What was written, but for the tokens' own files. */
+    private List<Path> files() throws IOException {
+        try (Stream<Path> files = Files.walk(folder)) {
+            return files.filter(Files::isRegularFile).filter(file -> !file.toString().endsWith(".token")).toList();
+        }
+    }
+}
