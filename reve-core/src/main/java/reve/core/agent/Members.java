@@ -32,6 +32,11 @@ import reve.core.world.WorldPrototype;
  */
 public final class Members {
 
+    /** Codes of the world's own refusals whose reasons tell more of it than that. */
+    private static final Set<String> TELLING = Set.of("condition-failed", "no-value", "immovable", "no-physics",
+            "not-a-body", "attached", "not-attached", "cannot-attach", "cannot-create", "cannot-remove",
+            "no-such-item", "no-such-property", "out-of-range", "not-a-rotation", "action-failed");
+
     private final AgentPolicy policy;
     private final Map<String, Body> bodies = new HashMap<>();
     private final Set<String> lent = new HashSet<>();
@@ -181,6 +186,9 @@ public final class Members {
 
     private void perform(World world, long frame, Body body, AgentInput.Act act) throws ActionRefused {
         Item item = find(world, body, act.item());
+        if (!sensesActions(world, body, item)) {
+            throw new ActionRefused("no-such-action", "you sense no actions of the item " + Text.quote(item.name()));
+        }
         Action action = item.access().find(act.action()).orElseThrow(() -> noSuchAction(item, act.action()));
         Arguments arguments = Arguments.check(action, act.arguments());
         for (Parameter parameter : action.parameters()) {
@@ -189,8 +197,21 @@ public final class Members {
             }
         }
         Optional<Item> actor = body.in(world);
-        action.perform(new ActionCall(world, frame, item, actor, arguments,
+        perform(action, body, new ActionCall(world, frame, item, actor, arguments,
                 actor.map(body::capabilities).orElse(List.of())));
+    }
+
+    /** To who senses only some things, a refusal does not tell what the action found. */
+    private static void perform(Action action, Body body, ActionCall call) throws ActionRefused {
+        try {
+            action.perform(call);
+        } catch (ActionRefused e) {
+            if (body.sensors.isEmpty() || !TELLING.contains(e.code())) {
+                throw e;
+            }
+            throw new ActionRefused(e.code(), "the action " + Text.quote(action.name()) + " of item "
+                    + Text.quote(call.target().name()) + " cannot be done now", e);
+        }
     }
 
     /** An item that an agent does not sense is none to it; the refusal must not tell the difference. */
@@ -200,18 +221,24 @@ public final class Members {
             return item.orElseThrow(() -> new ActionRefused("no-such-item",
                     "the world has no item " + Text.quote(name)));
         }
-        return item.filter(there -> senses(world, body, there.id())).orElseThrow(() -> new ActionRefused(
+        return item.filter(there -> senses(world, body, body.sensors, there.id())).orElseThrow(() -> new ActionRefused(
                 "no-such-item", "you sense no item " + Text.quote(name)));
     }
 
-    private boolean senses(World world, Body body, ItemId item) {
+    private boolean sensesActions(World world, Body body, Item item) {
+        List<Sensor> sensors = body.sensors.stream()
+                .filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS)).toList();
+        return sensors.size() == body.sensors.size() || senses(world, body, sensors, item.id());
+    }
+
+    private boolean senses(World world, Body body, List<Sensor> sensors, ItemId item) {
         Table bodies = world.table(WorldPrototype.BODY);
         int eye = bodies.rowOf(body.id());
         int row = bodies.rowOf(item);
         if (eye >= 0 && row >= 0) {
             sensed.load(bodies);
         }
-        return item.equals(body.id()) || body.sensors.stream().anyMatch(sensor -> sensor.isUnlimited()
+        return item.equals(body.id()) || sensors.stream().anyMatch(sensor -> sensor.isUnlimited()
                 || eye >= 0 && row >= 0 && sensed.senses(sensor, eye, row));
     }
 
