@@ -232,6 +232,11 @@ vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
   });
 }
 
+vesper_status vesper_engine_set_step_count(vesper_engine* engine, uint64_t steps, double dt,
+                                           vesper_error* error) noexcept {
+  return Guarded(error, [&] { Required(engine, "engine").SetStepCount(steps, dt); });
+}
+
 uint64_t vesper_engine_step_count(const vesper_engine* engine) noexcept {
   return engine == nullptr ? 0 : engine->step_count();
 }

@@ -354,11 +354,23 @@ void vesper_engine::LawInfo(vesper_library_id id, uint32_t index, vesper_law_inf
   vesper::WriteStruct(out, info, "out");
 }
 
-void vesper_engine::Advance(double dt, uint32_t steps) {
-  const Turn turn(*this);
+namespace {
+void RequireStepLength(double dt) {
   if (!std::isfinite(dt) || dt <= 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "dt is %g, expected a finite number above 0", dt);
   }
+}
+}  // namespace
+
+void vesper_engine::SetStepCount(uint64_t steps, double dt) {
+  const Turn turn(*this);
+  RequireStepLength(dt);
+  clock_ = {.steps = steps, .steps_of_dt = steps, .dt = dt, .start_of_dt = 0};
+}
+
+void vesper_engine::Advance(double dt, uint32_t steps) {
+  const Turn turn(*this);
+  RequireStepLength(dt);
   if (ledger_ == nullptr) {
     Bind();
   } else {

@@ -32,6 +32,7 @@ struct vesper_engine {
   vesper_provider& provider() { return provider_; }
   bool busy() const { return busy_.load(std::memory_order_acquire); }
   uint64_t step_count() const { return clock_.steps; }
+  void SetStepCount(uint64_t steps, double dt);
 
   void SetProvider(const vesper_provider_callbacks* callbacks);
   void AddProperty(const char* name, const vesper::Arrays& arrays);

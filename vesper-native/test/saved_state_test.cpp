@@ -1,5 +1,6 @@
 // Saving what lives in the engine, and going on from it.
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -66,6 +67,36 @@ TEST_P(SavedStateTest, TimeGoesOnThoughTheStepHadChanged) {
   EXPECT_OK(second.Advance(0.25, 2));
   EXPECT_EQ(bodies.acceleration[0], 2.25);
   EXPECT_EQ(bodies.acceleration[2], 6);
+}
+
+TEST_P(SavedStateTest, StepsThatAreSetAreAsIfTheyHadBeenDone) {
+  Bodies done_bodies(1), set_bodies(1);
+  TestEngine done(Options()), set(Options());
+  EXPECT_OK(done.Advance(0.1, 7));
+  EXPECT_OK(Try([&](vesper_error* error) {
+    return vesper_engine_set_step_count(set.get(), 7, 0.1, error);
+  }));
+  EXPECT_EQ(vesper_engine_step_count(set.get()), 7u);
+  EXPECT_EQ(Save(set), Save(done));
+  done.AddBodies(done_bodies);
+  set.AddBodies(set_bodies);
+  done.Load("clock");
+  set.Load("clock");
+  EXPECT_OK(done.Advance(0.1, 2));
+  EXPECT_OK(set.Advance(0.1, 2));
+  EXPECT_EQ(set_bodies.acceleration, done_bodies.acceleration);
+  EXPECT_EQ(set_bodies.acceleration[2], 8);
+}
+
+TEST_P(SavedStateTest, StepsOfNoLengthAreRefused) {
+  TestEngine engine(Options());
+  for (double dt : {0.0, -1.0, std::nan(""), HUGE_VAL}) {
+    const vesper_error error = Try([&](vesper_error* out) {
+      return vesper_engine_set_step_count(engine.get(), 3, dt, out);
+    });
+    EXPECT_EQ(error.status, VESPER_INVALID_ARGUMENT);
+    EXPECT_EQ(vesper_engine_step_count(engine.get()), 0u);
+  }
 }
 
 TEST_P(SavedStateTest, TurnsAnEngineBack) {

@@ -290,7 +290,13 @@ VESPER_API vesper_status vesper_engine_save_state(vesper_engine* engine, void* o
 VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const void* state,
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
-/** Steps done since create. */
+/** Counts on as if `steps` steps of `dt` [s] had been done, from time 0: for arrays that come from
+ *  such a run, without its saved state. What laws keep in SCRATCH stays. INVALID_ARGUMENT if `dt` is
+ *  not finite or not above 0. */
+VESPER_API vesper_status vesper_engine_set_step_count(vesper_engine* engine, uint64_t steps,
+                                                      double dt,
+                                                      vesper_error* error) VESPER_NOEXCEPT;
+/** Steps done since create, those that were set or loaded included. */
 VESPER_API uint64_t vesper_engine_step_count(const vesper_engine* engine) VESPER_NOEXCEPT;
 
 /** XXH3-64 over the step count, then the bound properties in prototype order, rows in row order,

@@ -495,6 +495,11 @@ class PhysicsEngine {
                   error);
     return energy;
   }
+  /** Counts on as if so many steps of `dt` [s] had been done; see vesper_engine_set_step_count. */
+  void SetStepCount(uint64_t steps, double dt) {
+    vesper_error error{};
+    detail::Check(vesper_engine_set_step_count(engine_.get(), steps, dt, &error), error);
+  }
   /** Steps done since creation. */
   uint64_t StepCount() const { return vesper_engine_step_count(engine_.get()); }
   /** Same state, same hash; see vesper_engine_state_hash. */

@@ -86,7 +86,15 @@ public interface PhysicsEngine extends AutoCloseable {
      */
     void moveRow(String kind, long from, long to);
 
-    /** Steps done since the engine was made. */
+    /**
+     * Counts on as if steps of this length had been done from time 0, for arrays of such a run.
+     *
+     * @param steps 0 or more
+     * @param dtSeconds length of each [s]
+     */
+    void setStepCount(long steps, double dtSeconds);
+
+    /** Steps done since the engine was made, those that were set or loaded included. */
     long stepCount();
 
     /**

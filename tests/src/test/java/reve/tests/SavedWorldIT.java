@@ -7,6 +7,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
 import java.util.stream.Stream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -15,7 +16,9 @@ import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.file.WorldFile;
 import reve.core.file.WorldWriter;
 import reve.core.frame.Pacing;
+import reve.core.frame.Timing;
 import reve.core.world.Column;
+import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ScalarType;
 import reve.core.world.Table;
@@ -67,6 +70,39 @@ class SavedWorldIT {
                 assertThat(state(second)).isEqualTo(state(first));
                 assertThat(WorldWriter.write(second.descriptionNow())).isEqualTo(Files.readString(saved));
             }
+        }
+    }
+
+    /** The hash is over the steps done, too. */
+    @Test
+    void goesOnAtItsTime() throws Exception {
+        Path saved = folder.resolve("saved.yaml");
+        try (Simulation first = load(sample("spring-orbit"))) {
+            first.loop().run(FRAMES);
+            WorldFile.save(saved, first.descriptionNow());
+            assertThat(Files.readString(saved)).contains("age: " + FRAMES);
+            List<Double> times = new ArrayList<>();
+            try (Simulation second = load(saved)) {
+                second.onPublish("times", frame -> times.add(frame.timeSeconds()));
+                second.loop().step();
+                first.loop().step();
+                Timing timing = second.description().timing();
+                assertThat(times).containsExactly(timing.timeSeconds(FRAMES),
+                        timing.timeSeconds(FRAMES + 1));
+                assertThat(second.physics().stateHash()).isEqualTo(first.physics().stateHash());
+            }
+        }
+    }
+
+    @Test
+    void whatItCannotHoldIsSaid() throws Exception {
+        try (Simulation world = load(sample("spring-orbit"))) {
+            assertThat(world.notDescribed()).isEmpty();
+            world.world().forces().add(new Forces.Force(
+                    world.world().find("red").orElseThrow().id(), List.of(1.0, 0.0, 0.0), 3));
+            world.physics().laws().load(0, "surface_contact", Map.of());
+            assertThat(world.notDescribed()).containsExactly("forces that still act: 1",
+                    "what surface_contact remembers of earlier steps");
         }
     }
 

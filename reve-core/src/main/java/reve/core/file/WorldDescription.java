@@ -19,6 +19,7 @@ import reve.core.world.WorldPrototype;
  * worlds can be built from it.
  *
  * @param doc what the world shows, for people; may be empty
+ * @param age frames of simulated time that it has behind it when it begins
  * @param laws in the order in which they are loaded
  * @param constants values of the properties of the item {@code world}, by name [their units]
  * @param camera empty if pictures choose their own
@@ -26,7 +27,7 @@ import reve.core.world.WorldPrototype;
  * @param items in the order of the file; they may refer to each other
  */
 public record WorldDescription(String name, String doc, WorldPrototype prototype, Timing timing,
-        List<LawReference> laws, Map<String, List<Double>> constants,
+        long age, List<LawReference> laws, Map<String, List<Double>> constants,
         Optional<CameraDescription> camera, AgentPolicy agents, List<Rule> rules,
         List<ItemDefinition> items) {
     public WorldDescription {
@@ -38,13 +39,14 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
 
     /** A world with nothing in it, no laws and no agents. */
     public static WorldDescription bare(String name, WorldPrototype prototype, Timing timing) {
-        return new WorldDescription(name, "", prototype, timing, List.of(), Map.of(),
+        return new WorldDescription(name, "", prototype, timing, 0, List.of(), Map.of(),
                 Optional.empty(), AgentPolicy.none(), List.of(), List.of());
     }
 
     /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
     public World build(ColumnArena arena) {
         World world = new World(name, prototype, arena);
+        world.setAge(age);
         Item constantsItem = world.find(WorldPrototype.WORLD).orElseThrow();
         constants.forEach((property, values) -> constantsItem.physics().set(property,
                 values.stream().mapToDouble(Double::doubleValue).toArray()));
@@ -69,7 +71,7 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
         }
         List<String> bodies = agents.bodies().stream()
                 .filter(body -> world.find(body).isPresent()).toList();
-        return new WorldDescription(name, doc, prototype, timing, nowLoaded, now, camera,
+        return new WorldDescription(name, doc, prototype, timing, world.age(), nowLoaded, now, camera,
                 new AgentPolicy(bodies, agents.template()), rules,
                 world.itemsInOrderOfRows().stream().map(Item::definition).toList());
     }

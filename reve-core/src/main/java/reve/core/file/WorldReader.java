@@ -47,7 +47,7 @@ final class WorldReader {
         List<Rule> rules = ruleReader.readRules(source.all("rules"), prototype);
         problems.throwIfAny();
         return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
-                timing(root), laws, constants, camera, agents, rules, items);
+                timing(root), wholeNumber(root.get("frame"), "age", 0), laws, constants, camera, agents, rules, items);
     }
 
     private static String text(Node node, String key) {
@@ -57,13 +57,13 @@ final class WorldReader {
     private static Timing timing(Node root) {
         Optional<Node> frame = root.get("frame");
         return new Timing(
-                wholeNumber(frame, "rate", Timing.DEFAULT.framesPerSecond()),
-                wholeNumber(frame, "steps", Timing.DEFAULT.stepsPerFrame()));
+                (int) wholeNumber(frame, "rate", Timing.DEFAULT.framesPerSecond()),
+                (int) wholeNumber(frame, "steps", Timing.DEFAULT.stepsPerFrame()));
     }
 
-    private static int wholeNumber(Optional<Node> node, String key, int otherwise) {
+    private static long wholeNumber(Optional<Node> node, String key, long otherwise) {
         return node.flatMap(mapping -> mapping.get(key)).flatMap(Node::number)
-                .map(Double::intValue).orElse(otherwise);
+                .map(Double::longValue).orElse(otherwise);
     }
 
     private List<LawReference> laws(List<Node> nodes) {

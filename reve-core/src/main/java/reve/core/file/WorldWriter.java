@@ -149,6 +149,9 @@ public final class WorldWriter {
         Map<String, Object> tree = new LinkedHashMap<>();
         tree.put("rate", YamlWriter.Numeral.of(world.timing().framesPerSecond()));
         tree.put("steps", YamlWriter.Numeral.of(world.timing().stepsPerFrame()));
+        if (world.age() > 0) {
+            tree.put("age", YamlWriter.Numeral.of((double) world.age()));
+        }
         return tree;
     }
 

@@ -90,6 +90,12 @@ public final class World {
         return age;
     }
 
+    /** How old the world is when it begins; for whoever builds it. */
+    public void setAge(long frames) {
+        checkOwner();
+        age = frames;
+    }
+
     /** Time goes on by a frame; told by who makes frames. */
     public void beginFrame() {
         checkOwner();

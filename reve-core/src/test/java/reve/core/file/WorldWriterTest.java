@@ -128,7 +128,7 @@ class WorldWriterTest {
         }
         items.add(ItemDefinition.named("lamp").kind("lamp").physics("size_x", 0).build());
         return new WorldDescription(shell.name(), RandomItems.text(random), shell.prototype(),
-                shell.timing(), shell.laws(), shell.constants(), Optional.empty(),
+                shell.timing(), random.nextLong(1L << 40), shell.laws(), shell.constants(), Optional.empty(),
                 AgentPolicy.none(), List.of(), items);
     }
 

@@ -182,6 +182,13 @@ public final class VesperEngine implements PhysicsEngine {
     }
 
     @Override
+    public void setStepCount(long steps, double dtSeconds) {
+        checkOpen();
+        errors.check(VesperLibrary.engineSetStepCount(engine, steps, dtSeconds,
+            errors.segment()));
+    }
+
+    @Override
     public long stepCount() {
         checkOpen();
         return VesperLibrary.engineStepCount(engine);

@@ -67,6 +67,8 @@ final class VesperLibrary {
         function("vesper_engine_clear_fault", JAVA_INT, ADDRESS, ADDRESS);
     private static final MethodHandle MOVE_ROW = function("vesper_engine_move_row", JAVA_INT,
         ADDRESS, ADDRESS, JAVA_LONG, JAVA_LONG, ADDRESS);
+    private static final MethodHandle SET_STEP_COUNT = function("vesper_engine_set_step_count",
+        JAVA_INT, ADDRESS, JAVA_LONG, JAVA_DOUBLE, ADDRESS);
     private static final MethodHandle STEP_COUNT =
         function("vesper_engine_step_count", JAVA_LONG, ADDRESS);
     private static final MethodHandle STATE_SIZE =
@@ -274,6 +276,15 @@ final class VesperLibrary {
                              MemorySegment error) {
         try {
             return (int) MOVE_ROW.invokeExact(engine, kind, from, to, error);
+        } catch (Throwable t) {
+            throw rethrown(t);
+        }
+    }
+
+    static int engineSetStepCount(MemorySegment engine, long steps, double dt,
+                                  MemorySegment error) {
+        try {
+            return (int) SET_STEP_COUNT.invokeExact(engine, steps, dt, error);
         } catch (Throwable t) {
             throw rethrown(t);
         }

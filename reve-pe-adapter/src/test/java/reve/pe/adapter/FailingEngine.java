@@ -86,6 +86,11 @@ final class FailingEngine implements PhysicsEngine {
     }
 
     @Override
+    public void setStepCount(long steps, double dtSeconds) {
+        engine.setStepCount(steps, dtSeconds);
+    }
+
+    @Override
     public long stepCount() {
         return engine.stepCount();
     }

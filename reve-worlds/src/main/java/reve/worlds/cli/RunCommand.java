@@ -67,6 +67,8 @@ public final class RunCommand implements Callable<Integer> {
             RunReport report = recorded(simulation, frames, pacing);
             if (save.isPresent()) {
                 WorldFile.save(save.get(), simulation.descriptionNow());
+                simulation.notDescribed().forEach(left -> spec.commandLine().getErr()
+                        .println("reve: " + save.get() + " does not hold " + left));
             }
             if (json) {
                 Json.print(spec, fields(report, simulation));

@@ -1,6 +1,7 @@
 package reve.worlds.server;
 
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -22,8 +23,10 @@ import reve.core.frame.Pacing;
 import reve.core.rule.Rules;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
+import reve.pe.Access;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
+import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
@@ -94,7 +97,7 @@ public final class Simulation implements AutoCloseable {
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
             loop = new FrameLoop(world, bus, description.timing(), pacing);
-            image.ifPresentOrElse(this::goOnFrom, () -> description.laws().forEach(this::load));
+            image.ifPresentOrElse(this::goOnFrom, this::begin);
         } catch (RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -120,6 +123,13 @@ public final class Simulation implements AutoCloseable {
             case INFO -> LOG.info(message);
             default -> LOG.debug(message);
         }
+    }
+
+    /** As old as it is: laws see the time that the world's age stands for. */
+    private void begin() {
+        description.laws().forEach(this::load);
+        engine.setStepCount(description.age() * description.timing().stepsPerFrame(),
+                description.timing().dtSeconds());
     }
 
     private void load(LawReference law) {
@@ -149,6 +159,21 @@ public final class Simulation implements AutoCloseable {
     public WorldDescription descriptionNow() {
         return description.of(world, physics.laws().libraries().stream().map(library ->
                 new LawReference(library.name(), library.parameters(), library.name())).toList());
+    }
+
+    /** What the world has now that {@link #descriptionNow} leaves out, for people. World's thread. */
+    public List<String> notDescribed() {
+        List<String> left = new ArrayList<>();
+        int forces = world.forces().active().size();
+        if (forces > 0) {
+            left.add("forces that still act: " + forces);
+        }
+        for (PhysicsLaw law : physics.laws().loaded()) {
+            if (law.uses().stream().anyMatch(use -> use.access().contains(Access.SCRATCH))) {
+                left.add("what " + law.name() + " remembers of earlier steps");
+            }
+        }
+        return left;
     }
 
     public FrameBus bus() {
