@@ -27,6 +27,7 @@ import reve.core.agent.ServerMessage.Limits;
 import reve.core.agent.ServerMessage.Welcome;
 import reve.core.frame.FrameGate;
 import reve.core.frame.FramePhase;
+import reve.core.frame.Pacing;
 import reve.core.frame.Subscription;
 
 /**
@@ -98,8 +99,10 @@ public final class AgentServer implements AutoCloseable {
         this.address = (InetSocketAddress) listening.getLocalAddress();
         this.publisher = new Publisher(port, log, this::queueLeaving, this::wake);
         this.desk = new ControlDesk(port, publisher, log);
-        this.lockStep = new LockStep(port.loop()::wake, desk::late);
         this.loop = new EventLoop(log, new LoopWork(), shortestLimit(config) / CHECKS_PER_DEADLINE);
+        // A world at its own pace has frames to make while agents are served.
+        this.lockStep = new LockStep(port.loop()::wake, desk::late,
+                port.loop().pacing() == Pacing.FAST ? loop : LockStep.Waiting.IDLE);
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
         port.loop().setGate(lockStep);
         this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);

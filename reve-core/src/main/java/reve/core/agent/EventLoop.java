@@ -8,15 +8,22 @@ import java.nio.channels.Selector;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.TimeUnit;
+import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.concurrent.locks.LockSupport;
+import java.util.concurrent.locks.ReentrantLock;
+import java.util.function.BooleanSupplier;
+import reve.core.frame.FrameClock;
 
 /**
- * One thread that reads, writes and works for all agents. It waits for sockets, for other threads and for the clock,
- * never for a client.
+ * Reads, writes and works for all agents, on one thread at a time: its own, or another that has nothing better to do.
+ * It waits for sockets, for other threads and for the clock, never for a client.
  */
-final class EventLoop {
+final class EventLoop implements LockStep.Waiting {
 
     /** What one turn writes for one client goes through it. */
     private static final int WRITE_BUFFER_BYTES = 64 * 1024;
+
+    private static final long NAP_NANOS = 5_000_000;
 
     /** Something that a channel brings work for. */
     interface Handler {
@@ -40,10 +47,15 @@ final class EventLoop {
     private final Work work;
     private final long checkNanos;
     private final Thread thread;
+    /** Held by the thread that works. */
+    private final ReentrantLock duty = new ReentrantLock();
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
     private final ByteBuffer writeBuffer = ByteBuffer.allocateDirect(WRITE_BUFFER_BYTES);
     private long checkedNanos = System.nanoTime();
+    private final AtomicBoolean woken = new AtomicBoolean();
     private volatile boolean selecting;
+    /** Another thread works at times; the loop's own looks only whether it still does. */
+    private volatile boolean taken;
     private volatile boolean stopped;
 
     /** @param checkNanos time between two looks at the deadlines */
@@ -80,7 +92,9 @@ final class EventLoop {
     }
 
     /** Makes it look for work. */
-    void wake() {
+    @Override
+    public void wake() {
+        woken.set(true);
         if (selecting) {
             selector.wakeup();
         }
@@ -99,12 +113,38 @@ final class EventLoop {
         return writeBuffer.clear();
     }
 
+    /**
+     * Works in place of the loop's own thread, until something has come or the time is over: from what the last agent
+     * says to what that brings about, no thread has to wake another. The loop's own thread goes on where this one does
+     * not come back for a while.
+     */
+    @Override
+    public void await(long nanoseconds, BooleanSupplier enough, FrameClock clock) {
+        taken = true;
+        if (!duty.tryLock()) {
+            selector.wakeup();
+            duty.lock();
+        }
+        try {
+            if (!enough.getAsBoolean()) {
+                turn(nanoseconds);
+            }
+        } finally {
+            duty.unlock();
+        }
+    }
+
     private void run() {
         while (!stopped) {
+            if (taken || !duty.tryLock()) {
+                taken = false;
+                LockSupport.parkNanos(NAP_NANOS);
+                continue;
+            }
             try {
-                turn();
-            } catch (Throwable e) { // one client's error must not end the others
-                log.error("serving agents failed", e);
+                turn(checkNanos);
+            } finally {
+                duty.unlock();
             }
         }
         try (selector) {
@@ -116,24 +156,32 @@ final class EventLoop {
         }
     }
 
-    private void turn() throws IOException {
-        long wait = checkedNanos + checkNanos - System.nanoTime();
+    /** First what there is to do, then waits for more: so that whoever serves leaves nothing read behind. */
+    private void turn(long mostNanos) {
+        try {
+            for (Runnable task = tasks.poll(); task != null; task = tasks.poll()) {
+                task.run();
+            }
+            work.run();
+            long now = System.nanoTime();
+            if (now - checkedNanos >= checkNanos) {
+                checkedNanos = now;
+                work.checkDeadlines(now);
+            }
+            select(Math.min(mostNanos, checkedNanos + checkNanos - now));
+        } catch (Throwable e) { // one client's error must not end the others
+            log.error("serving agents failed", e);
+        }
+    }
+
+    private void select(long nanoseconds) throws IOException {
         selecting = true; // whoever brings work from here on wakes us
-        if (wait <= 0 || !tasks.isEmpty() || work.isWaiting() || stopped) {
+        if (woken.getAndSet(false) || work.isWaiting() || stopped) {
             selector.selectNow(EventLoop::handle);
         } else {
-            selector.select(EventLoop::handle, TimeUnit.NANOSECONDS.toMillis(wait) + 1);
+            selector.select(EventLoop::handle, TimeUnit.NANOSECONDS.toMillis(nanoseconds) + 1);
         }
         selecting = false;
-        for (Runnable task = tasks.poll(); task != null; task = tasks.poll()) {
-            task.run();
-        }
-        work.run();
-        long now = System.nanoTime();
-        if (now - checkedNanos >= checkNanos) {
-            checkedNanos = now;
-            work.checkDeadlines(now);
-        }
     }
 
     private static void handle(SelectionKey key) {

@@ -1,7 +1,9 @@
 package reve.core.agent;
 
 import java.util.Arrays;
+import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
+import reve.core.frame.FrameClock;
 import reve.core.frame.FrameGate;
 
 /**
@@ -14,6 +16,7 @@ final class LockStep implements FrameGate {
     private static final long NO_FRAME = -1;
 
     private final Runnable wake;
+    private final Waiting waiting;
     private final Consumer<AgentInput.Late> late;
 
     /** Never changed, only replaced, with this held. */
@@ -24,13 +27,35 @@ final class LockStep implements FrameGate {
     private long due = NO_FRAME;
     private long dueSinceNanos;
 
+    /** How the frame loop's thread waits for agents. */
+    interface Waiting {
+
+        /** Does nothing else. */
+        Waiting IDLE = new Waiting() {
+            @Override
+            public void await(long nanoseconds, BooleanSupplier enough, FrameClock clock) {
+                clock.park(nanoseconds);
+            }
+
+            @Override
+            public void wake() {}
+        };
+
+        /** @param enough true if there is nothing to wait for any more */
+        void await(long nanoseconds, BooleanSupplier enough, FrameClock clock);
+
+        /** Ends it; the thread is unparked, too. Any thread. */
+        void wake();
+    }
+
     /**
      * @param wake has the loop ask again
      * @param late told who missed its deadline, on the loop's thread
      */
-    LockStep(Runnable wake, Consumer<AgentInput.Late> late) {
+    LockStep(Runnable wake, Consumer<AgentInput.Late> late, Waiting waiting) {
         this.wake = wake;
         this.late = late;
+        this.waiting = waiting;
     }
 
     // ---- any thread ----
@@ -60,12 +85,23 @@ final class LockStep implements FrameGate {
         if (frame == NO_FRAME) {
             return;
         }
+        if (!isAnybodyAwaited(frame)) {
+            wake.run();
+        }
+    }
+
+    private boolean isAnybodyAwaited(long frame) {
         for (Turn turn : turns) {
             if (turn.isAwaited(frame - 1)) {
-                return;
+                return true;
             }
         }
-        wake.run();
+        return false;
+    }
+
+    @Override
+    public void wake() {
+        waiting.wake();
     }
 
     // ---- loop's thread ----
@@ -97,6 +133,11 @@ final class LockStep implements FrameGate {
                 late.accept(turn.late());
             }
         }
+    }
+
+    @Override
+    public void await(long nanoseconds, FrameClock clock) {
+        waiting.await(nanoseconds, () -> !isAnybodyAwaited(due), clock);
     }
 
     @Override

@@ -1,8 +1,8 @@
 package reve.core.frame;
 
 /**
- * Keeps a frame loop from beginning its next frame for a while. Called on the loop's thread,
- * between frames; must not block.
+ * Keeps a frame loop from beginning its next frame for a while. Called on the loop's thread
+ * between frames, and must not block, but where said otherwise.
  */
 public interface FrameGate {
 
@@ -28,6 +28,19 @@ public interface FrameGate {
      *     is woken up ({@link FrameLoop#wake})
      */
     long nanosecondsToWait(long frame, long nowNanoseconds);
+
+    /**
+     * Lets the loop's thread wait, for about that long [ns] or until {@link #wake}. A gate that opens
+     * by what this thread could do meanwhile may have it do that.
+     *
+     * @param clock the loop's own
+     */
+    default void await(long nanoseconds, FrameClock clock) {
+        clock.park(nanoseconds);
+    }
+
+    /** Ends {@link #await}; the loop's thread is unparked, too. Any thread. */
+    default void wake() {}
 
     /** The loop is paused: time that was waited until now counts no more. */
     void paused();

@@ -33,6 +33,7 @@ public final class FrameLoop {
     private final World world;
     private final FrameBus bus;
     private final FrameEvent event;
+    private final Pacing pacing;
     private final Pacer pacer;
     private final AtomicLongArray phaseNanoseconds = new AtomicLongArray(PHASES.length);
     private final AtomicLong busyNanoseconds = new AtomicLong();
@@ -59,6 +60,7 @@ public final class FrameLoop {
         this.bus = bus;
         this.event = new FrameEvent(world, timing);
         this.clock = clock;
+        this.pacing = pacing;
         this.pacer = new Pacer(timing, pacing, clock);
         world.forces().setFramesPerSecond(timing.framesPerSecond());
     }
@@ -120,6 +122,7 @@ public final class FrameLoop {
     /** Has {@link #run}, if it waits, look again at once whether it may go on. Any thread. */
     public void wake() {
         LockSupport.unpark(runner);
+        gate.wake();
     }
 
     /**
@@ -203,6 +206,11 @@ public final class FrameLoop {
         return lastAllowed.get() <= frame();
     }
 
+    /** How fast {@link #run} goes. */
+    public Pacing pacing() {
+        return pacing;
+    }
+
     /** The world whose frames these are; its owner is the thread that makes them. */
     public World world() {
         return world;
@@ -272,7 +280,7 @@ public final class FrameLoop {
             long wait = nanosecondsHeld(frame() + 1);
             if (wait > 0) {
                 waited = true;
-                clock.park(wait);
+                await(wait);
                 runErrands();
             } else if (begin(frame() + 1)) {
                 if (waited) {
@@ -282,6 +290,14 @@ public final class FrameLoop {
             }
         }
         return false;
+    }
+
+    private void await(long nanoseconds) {
+        if (isPaused()) {
+            clock.park(nanoseconds);
+        } else {
+            gate.await(nanoseconds, clock);
+        }
     }
 
     /** How long a frame may not begin yet, at most until looked at again [ns]. */

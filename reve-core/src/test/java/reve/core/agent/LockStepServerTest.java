@@ -133,7 +133,7 @@ class LockStepServerTest {
 
     @Test
     void aFallbackThatCannotBeDoneChangesNothingElse() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':0,'fallback':{'action':'swim'}")) {
+        try (TestClient ada = join("ada", ",'deadline':0.02,'fallback':{'action':'swim'}")) {
             run();
             assertThat(ada.expect("event").get("type").stringValue()).isEqualTo("late");
             assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(2);

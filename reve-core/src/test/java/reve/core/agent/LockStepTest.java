@@ -33,7 +33,7 @@ class LockStepTest {
     private final FrameBus bus = new FrameBus();
     private final FrameLoop loop = new FrameLoop(new World("test", WorldPrototype.standard("si-f64"),
             new OffHeapArena()), bus, Timing.DEFAULT, Pacing.FAST, clock);
-    private final LockStep lockStep = new LockStep(clock::wake, this::heard);
+    private final LockStep lockStep = new LockStep(clock::wake, this::heard, LockStep.Waiting.IDLE);
     private long dueSince;
     private long longestDeadline;
 
@@ -256,7 +256,7 @@ class LockStepTest {
     @Test
     void ofTheRoundsThatABrokenConnectionCostsTheOthersHearOnce() {
         var heard = new ArrayList<AgentInput.Late>();
-        var gate = new LockStep(() -> { }, heard::add);
+        var gate = new LockStep(() -> { }, heard::add, LockStep.Waiting.IDLE);
         var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()), MILLISECOND);
         turn.begin(1);
         gate.add(turn);
