@@ -255,6 +255,9 @@ public final class AgentServer implements AutoCloseable {
         Optional<AgentToken> token = requireToken(connection, hello);
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         requireOpen(hello, role, token, rights);
+        if (sessions.size() >= config.maxConnections()) { // those that wait for their client count, too
+            throw full();
+        }
         var session = new Session(this, connection, role, hello, token);
         if (sessions.putIfAbsent(hello.name(), session) != null) {
             throw Ending.refused("name-taken", "another client is called " + Text.quote(hello.name()),
@@ -316,6 +319,10 @@ public final class AgentServer implements AutoCloseable {
         if (!rights.roles().contains(role)) {
             throw Ending.refused("not-permitted", "your token does not open the role " + role.wireName(),
                     "it opens " + rights.roles().stream().map(Role::wireName).sorted().toList());
+        }
+        if (hello.lockStep().isPresent() && !rights.lockStep()) {
+            throw Ending.refused("not-permitted", "your token does not let the world wait for you",
+                    "leave out time, or ask for a token with lock-step");
         }
         if (!rights.opensWorld(port.world())) {
             throw Ending.refused("not-permitted", "your token does not open the world " + port.world(),
@@ -414,9 +421,13 @@ public final class AgentServer implements AutoCloseable {
                 : new TlsWire(channel, config.security().tls().get().engine(), tlsScratch);
     }
 
+    private Ending full() {
+        return Ending.cut("too-many-connections",
+                "the server has " + config.maxConnections() + " clients, which is all it takes");
+    }
+
     private void turnAway(SocketChannel channel) {
-        Ending why = Ending.cut("too-many-connections",
-                "the server has " + config.maxConnections() + " connections, which is all it takes");
+        Ending why = full();
         counters.cut.increment();
         try (channel) {
             log.warn("a client at " + channel.getRemoteAddress() + " was turned away: " + why.getMessage());

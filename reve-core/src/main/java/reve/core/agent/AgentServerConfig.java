@@ -11,7 +11,7 @@ import java.util.Optional;
  * set smaller ones.
  *
  * @param address port 0 takes any free one
- * @param maxConnections open connections, whether welcomed or not
+ * @param maxConnections open connections, whether welcomed or not; and clients, whether connected or not
  * @param helloBytes most bytes before the hello is complete
  * @param hello longest wait for the hello
  * @param lineBytes longest line from a client
@@ -73,7 +73,7 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
 
     /** The protocol's limits on any address. */
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
-        return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 1024 * 1024,
+        return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 64 * 1024,
                 Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(60),
                 Duration.ofSeconds(10), Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty(), security);
     }

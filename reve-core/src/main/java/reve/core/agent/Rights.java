@@ -11,13 +11,14 @@ import java.util.Set;
  * @param worlds that it may join, by name
  * @param bodies the lent items that it may have as a body; with them, no body is made for it
  * @param capabilities those of its body that it may use
+ * @param lockStep whether it may have the world wait for it
  */
 public record Rights(Set<Role> roles, Optional<Set<String>> worlds, Optional<Set<String>> bodies,
-        Optional<Set<String>> capabilities) {
+        Optional<Set<String>> capabilities, boolean lockStep) {
 
     /** All there are: of whoever can connect to a server without tokens. */
     public static final Rights ALL =
-            new Rights(Set.of(Role.values()), Optional.empty(), Optional.empty(), Optional.empty());
+            new Rights(Set.of(Role.values()), Optional.empty(), Optional.empty(), Optional.empty(), true);
 
     public Rights {
         roles = Set.copyOf(roles);

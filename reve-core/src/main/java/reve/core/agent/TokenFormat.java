@@ -19,7 +19,7 @@ final class TokenFormat {
 
     private static final int VERSION = 1;
     private static final Set<String> FIELDS =
-            Set.of("name", "sha256", "roles", "worlds", "bodies", "capabilities", "expires");
+            Set.of("name", "sha256", "roles", "worlds", "bodies", "capabilities", "lockStep", "expires");
 
     private TokenFormat() {}
 
@@ -39,6 +39,9 @@ final class TokenFormat {
         put(fields, "worlds", rights.worlds());
         put(fields, "bodies", rights.bodies());
         put(fields, "capabilities", rights.capabilities());
+        if (rights.lockStep()) {
+            fields.put("lockStep", true);
+        }
         token.expires().ifPresent(instant -> fields.put("expires", instant.toString()));
     }
 
@@ -82,7 +85,7 @@ final class TokenFormat {
         try {
             return new AgentToken(text(fields, "name"), text(fields, "sha256"),
                     new Rights(roles, names(which, fields, "worlds"), names(which, fields, "bodies"),
-                            names(which, fields, "capabilities")),
+                            names(which, fields, "capabilities"), truth(fields, "lockStep")),
                     fields.has("expires") ? Optional.of(Instant.parse(text(fields, "expires"))) : Optional.empty());
         } catch (DateTimeParseException e) {
             throw new IllegalArgumentException(which + " expires " + Text.quote(text(fields, "expires"))
@@ -98,6 +101,14 @@ final class TokenFormat {
             throw new IllegalArgumentException(name + " is not a text");
         }
         return field.stringValue();
+    }
+
+    private static boolean truth(JsonNode fields, String name) {
+        JsonNode field = fields.path(name);
+        if (!field.isMissingNode() && !field.isBoolean()) {
+            throw new IllegalArgumentException(name + " is neither true nor false");
+        }
+        return field.asBoolean(false);
     }
 
     private static Optional<Set<String>> names(String which, JsonNode fields, String name) {

@@ -273,6 +273,23 @@ class AgentLimitsTest {
         }
     }
 
+    @Test
+    void whoComesAndBreaksOffAgainAndAgainTakesNoMoreThanItsShare() throws IOException {
+        try (AgentRoom room = new AgentRoom(with(AgentRoom.CONFIG, 5))) {
+            for (int i = 0; i < 5; i++) {
+                try (TestClient client = room.connect()) {
+                    client.say("{'t':'hello','protocol':1,'name':'agent" + i + "','graceSeconds':60}");
+                    room.stepUntil("it is welcome", client::hasNews);
+                    client.expect("welcome");
+                }
+            }
+            room.stepUntil("all have broken off", () -> room.server.stats().open() == 0);
+            try (TestClient late = room.connect().say(HELLO.formatted("late"))) {
+                late.expectBye("too-many-connections");
+            }
+        }
+    }
+
     private static AgentServerConfig with(AgentServerConfig c, int maxConnections) {
         return new AgentServerConfig(c.address(), maxConnections, c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
                 c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.actsInFlight(), c.outboxMessages(),

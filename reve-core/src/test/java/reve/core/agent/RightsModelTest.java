@@ -189,7 +189,7 @@ class RightsModelTest {
         for (int i = 0; i < 12; i++) {
             Rights rights = new Rights(some(List.of(Role.values()), 0.5).orElse(Set.of(Role.AGENT)),
                     i % 4 == 3 ? Optional.of(Set.of("sea")) : some(List.of("pond"), 1),
-                    i % 2 == 0 ? Optional.empty() : some(LENT, 0.6), some(CAPABILITIES, 0.6));
+                    i % 2 == 0 ? Optional.empty() : some(LENT, 0.6), some(CAPABILITIES, 0.6), false);
             AgentToken.Issued issued = AgentToken.issue("agent" + i % 8, rights, Optional.empty());
             TokenFile.add(file, issued.token());
             holders.add(new Holder(issued.token().name(), issued.secret(), rights));

@@ -37,7 +37,7 @@ class RightsTest {
     @BeforeEach
     void openARoomWithTokens() throws IOException {
         file = folder.resolve("tokens.json");
-        issue("nobody", new Rights(Set.of(Role.OBSERVER), ANY, ANY, ANY));
+        issue("nobody", new Rights(Set.of(Role.OBSERVER), ANY, ANY, ANY, false));
         AgentServerConfig config = AgentServerConfig.on(AgentRoom.CONFIG.address(),
                 new AgentSecurity(Optional.of(TokenFile.open(file, () -> now)), Optional.empty()));
         room = new AgentRoom(config, new AgentPolicy(List.of("boat", "raft"), AgentRoom.making().template()), 4096,
@@ -73,7 +73,7 @@ class RightsTest {
 
     private static Rights agent(Optional<Set<String>> worlds, Optional<Set<String>> bodies,
             Optional<Set<String>> capabilities) {
-        return new Rights(Set.of(Role.AGENT), worlds, bodies, capabilities);
+        return new Rights(Set.of(Role.AGENT), worlds, bodies, capabilities, false);
     }
 
     /** Says hello and waits for the answer. */
@@ -117,12 +117,22 @@ class RightsTest {
 
     @Test
     void controlTakesATokenThatSaysSo() throws IOException {
-        String token = issue("boss", new Rights(Set.of(Role.CONTROL), ANY, ANY, ANY));
+        String token = issue("boss", new Rights(Set.of(Role.CONTROL), ANY, ANY, ANY, false));
         refused("boss", ",'role':'control'", "bad-token");
         try (TestClient boss = hello("boss", ",'role':'control','token':'" + token + "'")) {
             boss.expect("welcome");
             boss.say("{'t':'pause','id':1}");
             assertThat(boss.skipTo("result").get("accepted").booleanValue()).isTrue();
+        }
+    }
+
+    @Test
+    void theWorldWaitsOnlyForWhoseTokenSaysSo() throws IOException {
+        String lockStep = ",'time':{'mode':'lock-step'},'token':'";
+        refused("ada", lockStep + issue("ada", agent(ANY, ANY, ANY)) + "'", "not-permitted");
+        String bob = issue("bob", new Rights(Set.of(Role.AGENT), ANY, ANY, ANY, true));
+        try (TestClient client = hello("bob", lockStep + bob + "'")) {
+            assertThat(client.expect("welcome").get("time").get("mode").stringValue()).isEqualTo("lock-step");
         }
     }
 

@@ -50,7 +50,7 @@ class TokensTest {
     @Test
     void aTokenIsFoundByItsSecretWithAllThatItSays() throws IOException {
         var rights = new Rights(Set.of(Role.AGENT, Role.OBSERVER), Optional.of(Set.of("pond")),
-                Optional.of(Set.of()), Optional.of(Set.of("push", "lift heavy")));
+                Optional.of(Set.of()), Optional.of(Set.of("push", "lift heavy")), true);
         add("bob");
         String secret = add("ada", rights, Optional.of(NOW.plusNanos(1)));
         TokenFile tokens = TokenFile.open(file, () -> now);

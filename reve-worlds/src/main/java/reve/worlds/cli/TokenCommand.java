@@ -53,11 +53,13 @@ public final class TokenCommand implements Runnable {
                     description = "Only these of the bodies that a world lends.") @Nullable List<String> bodies,
             @Option(names = "--capabilities", paramLabel = "NAME", split = ",",
                     description = "Only these of its body's capabilities.") @Nullable List<String> capabilities,
+            @Option(names = "--lock-step", description = "Let the world wait for it.") boolean lockStep,
             @Option(names = "--expires", paramLabel = "WHEN",
                     description = "30d, 12h, or a time such as 2030-01-31T12:00:00Z.") Optional<String> expires,
             @Option(names = "--json", description = "Print the result as one JSON document.") boolean json)
             throws IOException {
-        var rights = new Rights(Set.copyOf(roles), names(worlds), names(bodies), names(capabilities));
+        var rights = new Rights(Set.copyOf(roles), names(worlds), names(bodies), names(capabilities),
+                lockStep);
         AgentToken.Issued issued;
         try {
             issued = AgentToken.issue(name, rights, expires.map(TokenCommand::instant));
@@ -139,6 +141,9 @@ public final class TokenCommand implements Runnable {
         rights.worlds().ifPresent(names -> fields.put("worlds", new TreeSet<>(names)));
         rights.bodies().ifPresent(names -> fields.put("bodies", new TreeSet<>(names)));
         rights.capabilities().ifPresent(names -> fields.put("capabilities", new TreeSet<>(names)));
+        if (rights.lockStep()) {
+            fields.put("lockStep", true);
+        }
         token.expires().ifPresent(time -> fields.put("expires", time.toString()));
         if (token.hasExpired(Instant.now())) {
             fields.put("expired", true);
