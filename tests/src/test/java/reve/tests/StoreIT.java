@@ -30,7 +30,7 @@ import tools.jackson.databind.JsonNode;
 /** Real servers with real agents: killed and resumed, recorded and replayed. */
 class StoreIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
-    private static final long SEED = 20261121;
+    private static final long SEED = Long.getLong("reve.test.seed", 20261121);
     /** 200 in a long run. */
     private static final int KILLS = Integer.getInteger("reve.test.kills", 12);
 

@@ -1,0 +1,111 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.ByteArrayOutputStream;
+import java.net.URL;
+import java.net.URLClassLoader;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.stream.Collectors;
+import javax.tools.ToolProvider;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.world.ItemDefinition;
+import reve.tests.Reve.Outcome;
+import reve.worlds.server.Simulation;
+
+/** Short examples of the pages about keeping, replaying and meshes, as they stand there. */
+class DocumentExamplesIT {
+    private static final String PROGRAM = """
+            import reve.worlds.journal.SimulationImage;
+            import reve.worlds.server.Simulation;
+
+            public class Program {
+                public static void run(Simulation simulation) {
+            %s
+                }
+            }
+            """;
+
+    @TempDir
+    private Path folder;
+
+    private static String blocks(String page, String language) throws Exception {
+        return Document.read(Project.ROOT.resolve("docs").resolve(page)).blocks().stream()
+                .filter(block -> block.language().equals(language)).map(Document.Block::text)
+                .collect(Collectors.joining());
+    }
+
+    @Test
+    void aWorldGoesBackAndRunsAheadAsPersistenceSays() throws Exception {
+        Path source = folder.resolve("Program.java");
+        Files.writeString(source, PROGRAM.formatted(blocks("persistence.md", "java")));
+        var problems = new ByteArrayOutputStream();
+        int status = ToolProvider.getSystemJavaCompiler().run(null, null, problems, "-d",
+                folder.toString(), "-cp", System.getProperty("java.class.path"),
+                source.toString());
+        assertThat(status).as(problems.toString(StandardCharsets.UTF_8)).isZero();
+        WorldDescription description =
+                WorldFile.load(Project.WORLDS.resolve("icosahedron/world.yaml"));
+        try (var loader = new URLClassLoader(new URL[] {folder.toUri().toURL()});
+                Simulation simulation = new Simulation(description, Pacing.FAST)) {
+            simulation.loop().run(3);
+            long before = simulation.physics().stateHash();
+            loader.loadClass("Program").getMethod("run", Simulation.class)
+                    .invoke(null, simulation);
+            assertThat(simulation.physics().stateHash()).isEqualTo(before);
+            assertThat(simulation.loop().frame()).isEqualTo(3 + 120 + 1);
+        }
+    }
+
+    @Test
+    void aRunIsRecordedAndReplayedAsReplaySays() throws Exception {
+        List<String> lines = Files.readAllLines(Project.ROOT.resolve("docs/replay.md"));
+        int first = lines.indexOf("```") + 1;
+        List<String> example = lines.subList(first, first + 4);
+        String log = folder.resolve("run.log").toString();
+
+        Outcome serve = run(example.get(0), "run.log", log, "--fast", "--seconds", "60",
+                "--port", "0");
+        assertThat(serve.code()).as(serve.err()).isZero();
+        Outcome replay = run(example.get(1), "run.log", log);
+
+        assertThat(replay.code()).as(replay.err()).isZero();
+        assertThat(replay.out().lines()).first().isEqualTo(example.get(2));
+        assertThat(example.get(3)).startsWith("state hash: ");
+        assertThat(replay.out().lines()).last().asString().startsWith("state hash: ");
+    }
+
+    /** A command line of a page, with a file of it in another place and more options. */
+    private static Outcome run(String line, String file, String place, String... more)
+            throws Exception {
+        assertThat(line).startsWith("$ ./reve ");
+        List<String> command = new ArrayList<>(
+                List.of(line.substring("$ ./reve ".length()).replace(file, place)
+                        .replace("worlds/", Project.WORLDS + "/").split(" ")));
+        command.addAll(List.of(more));
+        return Reve.run(command.toArray(String[]::new));
+    }
+
+    @Test
+    void aWorldWithAMeshATextureAndADensityIsReadAsMeshesSays() throws Exception {
+        Path handle = Project.WORLDS.resolve("t-handle");
+        Files.createDirectory(folder.resolve("models"));
+        Files.copy(handle.resolve("handle.glb"), folder.resolve("models/duck.glb"));
+        Files.copy(handle.resolve("crate.png"), folder.resolve("crate.png"));
+        Path world = folder.resolve("world.yaml");
+        Files.writeString(world, "reve: 1\nname: meshes\n" + blocks("meshes.md", "yaml"));
+
+        List<ItemDefinition> items = WorldFile.load(world).items();
+
+        assertThat(items).extracting(ItemDefinition::name).containsExactly("duck", "crate");
+        assertThat(items.get(1).physics("mass").orElseThrow()).containsExactly(700);
+    }
+}
