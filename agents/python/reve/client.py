@@ -51,6 +51,7 @@ def connect(
     port: int = 7777,
     *,
     name: str,
+    world: Optional[str] = None,
     body: Optional[str] = None,
     role: str = protocol.AGENT,
     encoding: str = protocol.JSON,
@@ -61,6 +62,7 @@ def connect(
 ) -> Agent:
     """Joins the world at that address as agent `name` and returns when it has a body there.
 
+    `world` names one of the server's worlds; needed only where it has several.
     `body` names an item that the world lends to agents; without it the world chooses one. As `role` "observer"
     one perceives everything and does nothing. `encoding` "msgpack" is faster and needs the package msgpack.
     `grace` [s] is how long the body may wait for us when the connection breaks; we reconnect by ourselves, and
@@ -69,7 +71,8 @@ def connect(
     certificates in it. `timeout` [s] bounds this and every later wait for an answer.
     Raises OSError where nobody listens, Disconnected with the server's code where the agent may not join.
     """
-    return Agent((host, port), protocol.hello(name, body, role, encoding, grace, token=token), timeout, tls)
+    greeting = protocol.hello(name, body, role, encoding, grace, token=token, world=world)
+    return Agent((host, port), greeting, timeout, tls)
 
 
 def control(
@@ -77,12 +80,14 @@ def control(
     port: int = 7777,
     *,
     name: str = "control",
+    world: Optional[str] = None,
     token: Optional[str] = None,
     tls: Tls = False,
     timeout: float = 10.0,
 ) -> Control:
     """Joins a world to run it, without a body. As for `connect`."""
-    return Control((host, port), protocol.hello(name, role=protocol.CONTROL, token=token), timeout, tls)
+    greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
+    return Control((host, port), greeting, timeout, tls)
 
 
 class Agent:
@@ -329,6 +334,7 @@ class Agent:
             role=self.welcome.role,
             encoding=self._encoding,
             resume=(token, max(0, self._frame_seen)),
+            world=self.welcome.world,
         )
         connection, stream, _ = self._open(greeting)
         self._known_already = len(self._seen_after)

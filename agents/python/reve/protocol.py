@@ -241,11 +241,14 @@ def hello(
     resume: Optional[Tuple[str, int]] = None,
     token: Optional[str] = None,
     time: Optional[LockStep] = None,
+    world: Optional[str] = None,
 ) -> Message:
     """`resume` is the token of a session and the last frame whose events have all come."""
     message: Message = {"t": "hello", "protocol": VERSION, "name": name}
     if role != AGENT:
         message["role"] = role
+    if world is not None:
+        message["world"] = world
     if body is not None:
         message["body"] = body
     if encoding != JSON:

@@ -1,5 +1,6 @@
 import java.io.IOException;
 import java.nio.file.Path;
+import java.util.List;
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
 import reve.core.agent.WorldControl;
@@ -33,7 +34,7 @@ final class PondServer {
         var loop = new FrameLoop(world, bus, description.timing(), Pacing.REAL_TIME);
         var port = new WorldPort(world.name(), description.timing().framesPerSecond(), description.agents(), bus,
                 commands, snapshots, loop, WorldControl.none());
-        try (AgentServer server = AgentServer.start(AgentServerConfig.onPort(0), port)) {
+        try (AgentServer server = AgentServer.start(AgentServerConfig.onPort(0), List.of(port))) {
             System.out.println(server.address().getPort());
             Thread.ofVirtual().start(() -> {
                 while (readByte() >= 0) {

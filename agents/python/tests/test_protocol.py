@@ -92,7 +92,7 @@ def said(message):
             message["name"], message.get("body"), message.get("role", protocol.AGENT),
             message.get("encoding", protocol.JSON), message.get("graceSeconds", 0),
             None if resume is None else (resume["session"], resume["frame"]), message.get("token"),
-            None if time is None else lock_step(time),
+            None if time is None else lock_step(time), message.get("world"),
         )
     if t == "perceive":
         return protocol.perceive(message["id"], message.get("every"), message.get("relations", False))

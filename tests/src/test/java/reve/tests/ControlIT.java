@@ -27,8 +27,10 @@ import reve.worlds.journal.SqliteStore;
 import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.Replay;
+import reve.worlds.server.RunReport;
 import reve.worlds.server.ServerReport;
 import reve.worlds.server.Simulation;
+import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
 /** What the role control does to a world with a real engine, over the protocol. */
@@ -91,7 +93,7 @@ class ControlIT {
     @Test
     void aPictureIsTakenOfTheFrameThatItsResultNames() throws Exception {
         long frame = serve(boss -> assertThat(accepted(boss, "picture", Map.of())).isPositive())
-                .run().frames();
+                .frames();
         Event taken = events.stream().filter(event -> event.type().equals("snapshot")).findFirst()
                 .orElseThrow();
         Path file = Path.of((String) taken.fields().get("file"));
@@ -106,7 +108,7 @@ class ControlIT {
             fresh.loop().run(2 * RATE);
             hash = fresh.physics().stateHash();
         }
-        ServerReport report = serve(boss -> {
+        RunReport report = serve(boss -> {
             accepted(boss, "pause", Map.of());
             accepted(boss, "rewind", Map.of());
             Perception first = after(boss, RATE);
@@ -121,13 +123,13 @@ class ControlIT {
             assertThat(again.items()).isEqualTo(first.items());
             after(boss, RATE);
         });
-        assertThat(report.run().stateHash()).isEqualTo(hash);
+        assertThat(report.stateHash()).isEqualTo(hash);
     }
 
     @Test
     void aRecordingOfARunThatWasRewoundIsReplayedIdentically() throws Exception {
         recording = Optional.of(folder.resolve("run.log"));
-        ServerReport report = serve(this::wander);
+        RunReport report = serve(this::wander);
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(recording.get())) {
             while (records.hasNext() && replay.take(records.next())) {
@@ -135,8 +137,8 @@ class ControlIT {
             }
             assertThat(replay.divergence()).isEmpty();
             try (Simulation again = replay.release()) {
-                assertThat(again.loop().frame()).isEqualTo(report.run().frames());
-                assertThat(again.physics().stateHash()).isEqualTo(report.run().stateHash());
+                assertThat(again.loop().frame()).isEqualTo(report.frames());
+                assertThat(again.physics().stateHash()).isEqualTo(report.stateHash());
             }
         }
     }
@@ -144,13 +146,13 @@ class ControlIT {
     @Test
     void aStoredWorldThatWasRewoundGoesOnAsItWasLeft() throws Exception {
         store = Optional.of(folder.resolve("world.db"));
-        ServerReport report = serve(this::wander);
+        RunReport report = serve(this::wander);
         events = new ArrayList<>();
         serve(boss -> { });
         Event ready = events.stream().filter(event -> event.type().equals("ready")).findFirst()
                 .orElseThrow();
-        assertThat(ready.fields()).containsEntry("frame", report.run().frames())
-                .containsEntry("stateHash", "%016x".formatted(report.run().stateHash()));
+        assertThat(ready.fields()).containsEntry("frame", report.frames())
+                .containsEntry("stateHash", "%016x".formatted(report.stateHash()));
         assertThat(events).extracting(Event::type).doesNotContain("fault");
     }
 
@@ -179,10 +181,11 @@ class ControlIT {
     private int port;
 
     /** Serves the world on this thread while an operator works on another. */
-    private ServerReport serve(Script script) throws Exception {
-        try (WorldServer server = new WorldServer(description, Pacing.REAL_TIME,
-                AgentServerConfig.onPort(0), Optional.empty(), new Persistence(WORLD, recording,
-                store, 10, SqliteStore.Durability.NORMAL), new Pictures(folder, List.of()),
+    private RunReport serve(Script script) throws Exception {
+        WorldPlan plan = new WorldPlan(description, Long.MAX_VALUE, new Persistence(WORLD, recording,
+                store, 10, SqliteStore.Durability.NORMAL), new Pictures(folder, List.of()));
+        try (WorldServer server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
+                AgentServerConfig.onPort(0), Optional.empty(),
                 (type, fields) -> note(new Event(type, fields)))) {
             server.start();
             port = server.port();
@@ -198,9 +201,9 @@ class ControlIT {
                     server.stop();
                 }
             });
-            ServerReport report = server.run(Long.MAX_VALUE);
+            ServerReport report = server.run();
             operator.join();
-            return report;
+            return report.runs().getFirst();
         }
     }
 

@@ -9,6 +9,7 @@ import javax.net.ssl.SSLContext;
  *
  * @param name 1 to 64 of A-Z a-z 0-9 _ . -
  * @param role "agent", "control" or "observer"
+ * @param world that is joined; needed only where the server has several
  * @param body an item that the world lends to agents; empty to let the world choose
  * @param encoding how messages are written; MessagePack is faster and needs msgpack-core on the class path
  * @param grace how long the body may wait for the agent when the connection breaks
@@ -18,8 +19,8 @@ import javax.net.ssl.SSLContext;
  * @param tls whom to trust on a private connection, see {@link Trust}; empty for plain text
  * @param patience longest wait for any answer
  */
-public record Join(String name, String role, Optional<String> body, Encoding encoding, Duration grace,
-        Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token, Optional<SSLContext> tls,
+public record Join(String name, String role, Optional<String> world, Optional<String> body, Encoding encoding,
+        Duration grace, Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token, Optional<SSLContext> tls,
         Duration patience) {
 
     private static final Duration PATIENCE = Duration.ofSeconds(10);
@@ -34,44 +35,48 @@ public record Join(String name, String role, Optional<String> body, Encoding enc
 
     /** As an agent with a body that the world chooses. */
     public static Join as(String name) {
-        return new Join(name, "agent", Optional.empty(), Encoding.JSON, Duration.ZERO, Optional.empty(), Optional.empty(),
-                Optional.empty(), Optional.empty(), PATIENCE);
+        return new Join(name, "agent", Optional.empty(), Optional.empty(), Encoding.JSON, Duration.ZERO, Optional.empty(),
+                Optional.empty(), Optional.empty(), Optional.empty(), PATIENCE);
     }
 
     public Join withRole(String newRole) {
-        return new Join(name, newRole, body, encoding, grace, lockStep, resume, token, tls, patience);
+        return new Join(name, newRole, world, body, encoding, grace, lockStep, resume, token, tls, patience);
+    }
+
+    public Join withWorld(String newWorld) {
+        return new Join(name, role, Optional.of(newWorld), body, encoding, grace, lockStep, resume, token, tls, patience);
     }
 
     public Join withBody(String item) {
-        return new Join(name, role, Optional.of(item), encoding, grace, lockStep, resume, token, tls, patience);
+        return new Join(name, role, world, Optional.of(item), encoding, grace, lockStep, resume, token, tls, patience);
     }
 
     public Join withEncoding(Encoding newEncoding) {
-        return new Join(name, role, body, newEncoding, grace, lockStep, resume, token, tls, patience);
+        return new Join(name, role, world, body, newEncoding, grace, lockStep, resume, token, tls, patience);
     }
 
     public Join withGrace(Duration newGrace) {
-        return new Join(name, role, body, encoding, newGrace, lockStep, resume, token, tls, patience);
+        return new Join(name, role, world, body, encoding, newGrace, lockStep, resume, token, tls, patience);
     }
 
     public Join withLockStep(LockStep time) {
-        return new Join(name, role, body, encoding, grace, Optional.of(time), resume, token, tls, patience);
+        return new Join(name, role, world, body, encoding, grace, Optional.of(time), resume, token, tls, patience);
     }
 
     public Join withResume(Resume session) {
-        return new Join(name, role, body, encoding, grace, lockStep, Optional.of(session), token, tls, patience);
+        return new Join(name, role, world, body, encoding, grace, lockStep, Optional.of(session), token, tls, patience);
     }
 
     public Join withToken(String secret) {
-        return new Join(name, role, body, encoding, grace, lockStep, resume, Optional.of(secret), tls, patience);
+        return new Join(name, role, world, body, encoding, grace, lockStep, resume, Optional.of(secret), tls, patience);
     }
 
     public Join withTls(SSLContext trusted) {
-        return new Join(name, role, body, encoding, grace, lockStep, resume, token, Optional.of(trusted), patience);
+        return new Join(name, role, world, body, encoding, grace, lockStep, resume, token, Optional.of(trusted), patience);
     }
 
     public Join withPatience(Duration newPatience) {
-        return new Join(name, role, body, encoding, grace, lockStep, resume, token, tls, newPatience);
+        return new Join(name, role, world, body, encoding, grace, lockStep, resume, token, tls, newPatience);
     }
 
     /** Without its secrets. */

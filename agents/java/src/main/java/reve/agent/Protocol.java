@@ -34,6 +34,7 @@ final class Protocol {
         if (!join.role().equals("agent")) {
             message.put("role", join.role());
         }
+        join.world().ifPresent(world -> message.put("world", world));
         join.body().ifPresent(item -> message.put("body", item));
         if (join.encoding() != Encoding.JSON) {
             message.put("encoding", join.encoding().wireName());

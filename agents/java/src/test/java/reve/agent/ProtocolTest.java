@@ -130,7 +130,8 @@ class ProtocolTest {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
             case "hello" -> Protocol.hello(new Join(message.get("name").stringValue(),
-                    message.path("role").asString("agent"), message.optional("body").map(JsonNode::stringValue),
+                    message.path("role").asString("agent"), message.optional("world").map(JsonNode::stringValue),
+                    message.optional("body").map(JsonNode::stringValue),
                     message.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON,
                     Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
                     message.optional("time").map(ProtocolTest::lockStep),

@@ -11,27 +11,19 @@ import java.nio.channels.ServerSocketChannel;
 import java.nio.channels.SocketChannel;
 import java.time.Clock;
 import java.time.Duration;
-import java.util.ArrayDeque;
-import java.util.Deque;
 import java.util.HashSet;
 import java.util.List;
-import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
 import java.util.Set;
-import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.regex.Pattern;
+import java.util.stream.Collectors;
 import java.util.stream.Stream;
-import reve.core.agent.ServerMessage.Limits;
-import reve.core.agent.ServerMessage.Welcome;
-import reve.core.frame.FrameGate;
-import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
-import reve.core.frame.Subscription;
 
 /**
- * Lets agents join a world over TCP, protocol version 1. The world goes on at its own pace whatever agents do; they
+ * Lets agents join worlds over TCP, protocol version 1. Each world goes on at its own pace whatever agents do; they
  * come and go at any time. Its methods may be called from any thread.
  */
 public final class AgentServer implements AutoCloseable {
@@ -45,13 +37,10 @@ public final class AgentServer implements AutoCloseable {
     /** So that a flood of connections does not keep the others waiting. */
     private static final int ACCEPTED_PER_TURN = 16;
 
-    private final WorldPort port;
     private final AgentServerConfig config;
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog();
-    private final Publisher publisher;
-    private final ControlDesk desk;
-    private final LockStep lockStep;
+    private final List<ServedWorld> worlds;
     private final EventLoop loop;
     private final ServerSocketChannel listening;
     private final InetSocketAddress address;
@@ -60,23 +49,21 @@ public final class AgentServer implements AutoCloseable {
     private final Set<Connection> connections = new HashSet<>();
     private final TlsWire.Scratch tlsScratch = new TlsWire.Scratch();
     private final Queue<Connection> toWrite = new ConcurrentLinkedQueue<>();
-    private final Map<String, Session> sessions = new ConcurrentHashMap<>();
-    private final Deque<AgentCommand> leaving = new ArrayDeque<>();
     private final Optional<AuditLog> audit;
     private final Attempts attempts = new Attempts();
-    private final Subscription subscription;
     private volatile boolean closed;
 
     /**
      * Begins to listen.
      *
+     * @param ports of worlds of different names, at least one
      * @throws BindException naming the address if it cannot be had
      * @throws IOException if the audit file cannot be written
      */
-    public static AgentServer start(AgentServerConfig config, WorldPort port) throws IOException {
+    public static AgentServer start(AgentServerConfig config, List<WorldPort> ports) throws IOException {
         ServerSocketChannel listening = listen(config.address());
         try {
-            var server = new AgentServer(config, port, listening, openAudit(config));
+            var server = new AgentServer(config, ports, listening, openAudit(config));
             server.loop.start();
             return server;
         } catch (IOException e) {
@@ -90,22 +77,18 @@ public final class AgentServer implements AutoCloseable {
                 ? Optional.of(new AuditLog(config.audit().get(), Clock.systemUTC())) : Optional.empty();
     }
 
-    private AgentServer(AgentServerConfig config, WorldPort port, ServerSocketChannel listening,
+    private AgentServer(AgentServerConfig config, List<WorldPort> ports, ServerSocketChannel listening,
             Optional<AuditLog> audit) throws IOException {
         this.audit = audit;
         this.config = config;
-        this.port = port;
         this.listening = listening;
         this.address = (InetSocketAddress) listening.getLocalAddress();
-        this.publisher = new Publisher(port, log, this::queueLeaving, this::wake);
-        this.desk = new ControlDesk(port, publisher, log);
         this.loop = new EventLoop(log, new LoopWork(), shortestLimit(config) / CHECKS_PER_DEADLINE);
-        // A world at its own pace has frames to make while agents are served.
-        this.lockStep = new LockStep(port.loop()::wake, desk::late,
-                port.loop().pacing() == Pacing.FAST ? loop : LockStep.Waiting.IDLE);
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
-        port.loop().setGate(lockStep);
-        this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
+        // A world in real time has frames to make while agents are served; so have others beside it.
+        boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
+        this.worlds = ports.stream()
+                .map(port -> new ServedWorld(this, port, helps ? loop : LockStep.Waiting.IDLE)).toList();
     }
 
     private static long shortestLimit(AgentServerConfig config) {
@@ -122,14 +105,18 @@ public final class AgentServer implements AutoCloseable {
         return counters.read();
     }
 
+    /** A world makes no more frames: says bye to everybody who is in it, and lets nobody in. */
+    public void end(String world) {
+        loop.later(() -> meant(Optional.of(world)).forEach(ServedWorld::end));
+    }
+
     /** Says bye to everybody and returns when all are gone, at the latest after the time to linger. */
     @Override
     public void close() {
         if (closed) {
             return;
         }
-        port.loop().setGate(FrameGate.OPEN);
-        subscription.close();
+        worlds.forEach(ServedWorld::close);
         loop.later(() -> {
             closed = true;
             closeQuietly(listening);
@@ -151,13 +138,24 @@ public final class AgentServer implements AutoCloseable {
 
         @Override
         public boolean isWaiting() {
-            return publisher.hasNews() || !toWrite.isEmpty();
+            return !toWrite.isEmpty() || hasNews();
+        }
+
+        private boolean hasNews() {
+            for (ServedWorld world : worlds) {
+                if (world.publisher().hasNews()) {
+                    return true;
+                }
+            }
+            return false;
         }
 
         @Override
         public void run() {
-            if (publisher.hasNews()) {
-                publisher.tell();
+            for (ServedWorld world : worlds) {
+                if (world.publisher().hasNews()) {
+                    world.publisher().tell();
+                }
             }
             for (Connection connection = toWrite.poll(); connection != null; connection = toWrite.poll()) {
                 connection.write();
@@ -170,9 +168,9 @@ public final class AgentServer implements AutoCloseable {
         @Override
         public void checkDeadlines(long nowNanos) {
             List.copyOf(connections).forEach(connection -> connection.checkDeadlines(nowNanos));
-            sessions.values().forEach(session -> session.checkGrace(nowNanos));
+            worlds.forEach(world -> world.checkGrace(nowNanos));
             config.security().tokens().map(TokenFile::current)
-                    .ifPresent(current -> sessions.values().forEach(session -> session.checkToken(current)));
+                    .ifPresent(current -> worlds.forEach(world -> world.checkTokens(current)));
             if (accepting.isValid()) {
                 accepting.interestOps(SelectionKey.OP_ACCEPT);
             }
@@ -185,7 +183,7 @@ public final class AgentServer implements AutoCloseable {
         return loop;
     }
 
-    private void wake() {
+    void wake() {
         loop.wake();
     }
 
@@ -207,38 +205,8 @@ public final class AgentServer implements AutoCloseable {
         return log;
     }
 
-    ControlDesk desk() {
-        return desk;
-    }
-
-    LockStep lockStep() {
-        return lockStep;
-    }
-
     Optional<AuditLog> audit() {
         return audit;
-    }
-
-    long published() {
-        return publisher.published();
-    }
-
-    void admit(Session session) {
-        publisher.admit(session);
-    }
-
-    void withFrame(Runnable report) {
-        publisher.withFrame(report);
-    }
-
-    Welcome welcome(Session session, ClientMessage.Hello hello, long frame, boolean resumed) {
-        return new Welcome(hello.id(), PROTOCOL, session.role(), hello.name(), session.body(), port.world(), frame,
-                port.framesPerSecond(), session.encoding(), session.rhythm(), Optional.ofNullable(session.ticket()), resumed,
-                new Limits(config.lineBytes(), config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
-    }
-
-    private static double seconds(Duration duration) {
-        return duration.toMillis() / 1000.0;
     }
 
     /**
@@ -253,39 +221,41 @@ public final class AgentServer implements AutoCloseable {
             return resume(connection, hello, hello.resume().get());
         }
         Optional<AgentToken> token = requireToken(connection, hello);
-        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
-        requireOpen(hello, role, token, rights);
-        if (sessions.size() >= config.maxConnections()) { // those that wait for their client count, too
-            throw full();
+        ServedWorld world = requireWorld(hello.world());
+        requireOpen(hello, role, token, world);
+        if (worlds.stream().mapToInt(ServedWorld::clients).sum() >= config.maxConnections()) {
+            throw full(); // those that wait for their client count, too
         }
-        var session = new Session(this, connection, role, hello, token);
-        if (sessions.putIfAbsent(hello.name(), session) != null) {
-            throw Ending.refused("name-taken", "another client is called " + Text.quote(hello.name()),
-                    "say hello with another name");
-        }
-        if (role != Role.AGENT) {
-            publisher.later(() -> session.welcome(Optional.empty(), published()));
-            return session;
-        }
-        var join = desk.command(new AgentInput.Join(hello.name(), hello.body(), rights), session::came);
-        if (!port.commands().offer(join)) {
-            sessions.remove(hello.name());
-            throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");
-        }
-        return session;
+        return world.greet(connection, role, hello, token);
     }
 
     private Session resume(Connection connection, ClientMessage.Hello hello, ClientMessage.Resume resume)
             throws Ending {
         requireAttempt(connection);
-        Session session = sessions.get(hello.name());
-        if (session == null || !session.hasSecret(resume.session())) {
-            throw Ending.refused("no-such-session", "there is no session of " + Text.quote(hello.name())
-                    + " with this token, or it has ended", "say hello without resume");
-        }
+        Session session = meant(hello.world()).stream().flatMap(world -> world.find(hello.name()).stream())
+                .filter(found -> found.hasSecret(resume.session())).findFirst()
+                .orElseThrow(() -> Ending.refused("no-such-session", "there is no session of "
+                        + Text.quote(hello.name()) + " with this token, or it has ended", "say hello without resume"));
         attempts.right(connection.address(), System.nanoTime());
         session.resume(connection, resume.frame());
         return session;
+    }
+
+    private ServedWorld requireWorld(Optional<String> name) throws Ending {
+        List<ServedWorld> meant = meant(name);
+        if (meant.size() == 1) {
+            return meant.getFirst();
+        }
+        List<ServedWorld> open = meant(Optional.empty());
+        throw Ending.refused("no-such-world", name.map(unknown -> "this server has no world " + Text.quote(unknown))
+                .orElse("this server has " + open.size() + " worlds"), "say hello with \"world\": "
+                + open.stream().map(world -> Text.quote(world.name())).collect(Collectors.joining(" or ")));
+    }
+
+    /** The worlds of that name, or all; not those that have ended. */
+    private List<ServedWorld> meant(Optional<String> name) {
+        return worlds.stream().filter(world -> !world.hasEnded())
+                .filter(world -> name.isEmpty() || name.get().equals(world.name())).toList();
     }
 
     /** What the client's token says it may; nothing where the server asks for none. */
@@ -310,8 +280,9 @@ public final class AgentServer implements AutoCloseable {
         }
     }
 
-    private void requireOpen(ClientMessage.Hello hello, Role role, Optional<AgentToken> token, Rights rights)
-            throws Ending {
+    private static void requireOpen(ClientMessage.Hello hello, Role role, Optional<AgentToken> token,
+            ServedWorld world) throws Ending {
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         if (token.isPresent() && !token.get().name().equals(hello.name())) {
             throw Ending.refused("not-permitted", "your token is for another name than " + Text.quote(hello.name()),
                     "say hello with the name that it was made for");
@@ -324,26 +295,9 @@ public final class AgentServer implements AutoCloseable {
             throw Ending.refused("not-permitted", "your token does not let the world wait for you",
                     "leave out time, or ask for a token with lock-step");
         }
-        if (!rights.opensWorld(port.world())) {
-            throw Ending.refused("not-permitted", "your token does not open the world " + port.world(),
+        if (!rights.opensWorld(world.name())) {
+            throw Ending.refused("not-permitted", "your token does not open the world " + world.name(),
                     "ask whoever runs the server for one that does");
-        }
-    }
-
-    /** Takes a client out of the world, in the next frame that has room for the command. */
-    synchronized void leave(Session session, String reason) {
-        if (session.role() == Role.AGENT) {
-            leaving.add(desk.command(new AgentInput.Leave(session.name(), reason), outcome -> { }));
-            queueLeaving();
-        } else {
-            sessions.remove(session.name());
-        }
-    }
-
-    /** Once queued, the name is free again: commands of one name keep their order. */
-    private synchronized void queueLeaving() {
-        while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {
-            sessions.remove(leaving.removeFirst().origin());
         }
     }
 

@@ -31,15 +31,15 @@ final class AuditLog implements Closeable {
     }
 
     /** @throws UncheckedIOException if it cannot be written down */
-    synchronized void told(String client, Encoding encoding, Outbox.Line message) {
+    synchronized void told(String world, String client, Encoding encoding, Outbox.Line message) {
         var line = ByteBuffer.allocate(message.bytes());
         line.put(message.head()).put(message.tail()).flip();
         String json = encoding == Encoding.JSON
                 ? new String(line.array(), 0, line.remaining() - 1, StandardCharsets.UTF_8)
                 : MessagePackReader.read(line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES))
                         .toString();
-        String entry = "{\"at\":\"" + clock.instant() + "\",\"client\":\"" + client + "\",\"message\":" + withoutSecret(json)
-                + "}\n";
+        String entry = "{\"at\":\"" + clock.instant() + "\",\"world\":\"" + world + "\",\"client\":\"" + client
+                + "\",\"message\":" + withoutSecret(json) + "}\n";
         try {
             out.write(entry.getBytes(StandardCharsets.UTF_8));
         } catch (IOException e) {

@@ -36,6 +36,7 @@ sealed interface ClientMessage {
 
     /**
      * @param role as written
+     * @param world that it wants to come to; needed only where there are several
      * @param body the lent item it asks for
      * @param encoding of all that follows, as written
      * @param graceSeconds how long its body is to stay when the connection breaks
@@ -43,7 +44,7 @@ sealed interface ClientMessage {
      * @param resume the session it goes on with
      * @param token the secret that opens the server for it
      */
-    record Hello(long id, int protocol, String name, String role, Optional<String> body, String encoding,
+    record Hello(long id, int protocol, String name, String role, Optional<String> world, Optional<String> body, String encoding,
             double graceSeconds, Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token)
             implements ClientMessage {
 

@@ -357,7 +357,7 @@ final class Connection implements EventLoop.Handler {
         Outbox.Line line = outbox.poll(room == null ? Integer.MAX_VALUE : room.remaining());
         Session client = session;
         if (line != null && client != null) {
-            server.audit().ifPresent(audit -> audit.told(client.name(), encoding, line));
+            server.audit().ifPresent(audit -> audit.told(client.world().name(), client.name(), encoding, line));
         }
         return line;
     }

@@ -104,7 +104,8 @@ final class MessageReader {
         }
         return switch (type.stringValue()) {
             case "hello" -> new ClientMessage.Hello(fields.id, (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
-                    fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("body"),
+                    fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("world"),
+                    fields.optionalText("body"),
                     fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
                     fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.lockStep(),
                     fields.resume(), fields.optionalText("token"));

@@ -18,6 +18,7 @@ final class Session {
     /** Reasons for which a connection ends that are nobody's fault. */
     private static final Set<String> RESUMABLE = Set.of("lost", "idle", "too-slow");
 
+    private final ServedWorld world;
     private final AgentServer server;
     private final Counters counters;
     private final String name;
@@ -49,10 +50,11 @@ final class Session {
     private volatile boolean left;
 
     /** @param token that opened the server for it, if the server takes tokens */
-    Session(AgentServer server, Connection connection, Role role, ClientMessage.Hello hello,
+    Session(ServedWorld world, Connection connection, Role role, ClientMessage.Hello hello,
             Optional<AgentToken> token) {
+        this.world = world;
+        this.server = world.server();
         AgentServerConfig config = server.config();
-        this.server = server;
         this.counters = server.counters();
         this.name = hello.name();
         this.role = role;
@@ -78,6 +80,10 @@ final class Session {
 
     String name() {
         return name;
+    }
+
+    ServedWorld world() {
+        return world;
     }
 
     Role role() {
@@ -117,9 +123,9 @@ final class Session {
     void came(Outcome outcome) {
         if (turn != null && outcome instanceof Outcome.Joined joined) {
             turn.begin(joined.frame());
-            server.lockStep().add(turn);
+            world.lockStep().add(turn);
         }
-        server.withFrame(() -> joined(outcome));
+        world.publisher().withFrame(() -> joined(outcome));
     }
 
     // ---- the event loop's thread ----
@@ -160,8 +166,8 @@ final class Session {
             counters.agents.increment();
         }
         perceptions.notBefore(frame);
-        offer(server.welcome(this, hello, frame, false));
-        server.admit(this);
+        offer(world.welcome(this, hello, frame, false));
+        world.publisher().admit(this);
         server.log().info(this + " joined" + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
@@ -238,16 +244,16 @@ final class Session {
     void endRound(ClientMessage.Ready ready) {
         if (turn != null) {
             if (ready.frame().isPresent()) {
-                turn.ready(ready.frame().getAsLong(), server.published());
+                turn.ready(ready.frame().getAsLong(), world.publisher().published());
             } else {
                 turn.ready();
             }
-            server.lockStep().changed();
+            world.lockStep().changed();
         }
     }
 
     void perceive(ClientMessage.Perceive perceive) throws BadMessage {
-        perceptions.ask(perceive, server.published());
+        perceptions.ask(perceive, world.publisher().published());
     }
 
     /** Has a command done, unless it was given before. */
@@ -261,7 +267,7 @@ final class Session {
             requireLockStep(act.id());
         }
         if (begin(request)) {
-            server.desk().submit(this, request);
+            world.desk().submit(this, request);
         }
     }
 
@@ -324,10 +330,10 @@ final class Session {
             if (turn != null) {
                 turn.comeBack();
             }
-            offer(server.welcome(this, hello, server.published(), true));
+            offer(world.welcome(this, hello, world.publisher().published(), true));
             missed.forEach(this::offer);
         }
-        server.lockStep().changed();
+        world.lockStep().changed();
         if (previous != null) {
             previous.end(Ending.regular("resumed", "another connection goes on with this session"));
         }
@@ -345,7 +351,7 @@ final class Session {
                 brokenNanos = System.nanoTime();
                 if (turn != null) {
                     turn.breakOff();
-                    server.lockStep().changed();
+                    world.lockStep().changed();
                 }
                 return;
             }
@@ -384,9 +390,9 @@ final class Session {
             }
         }
         if (turn != null) {
-            server.lockStep().remove(turn);
+            world.lockStep().remove(turn);
         }
-        server.leave(this, reason);
+        world.leave(this, reason);
     }
 
     synchronized ServerMessage.@Nullable Ticket ticket() {
@@ -409,7 +415,8 @@ final class Session {
         }
     }
 
-    private void end(Ending why) {
+    /** Ends its connection, if it has one. */
+    void end(Ending why) {
         Connection now = connection;
         if (now != null) {
             now.end(why);

@@ -66,8 +66,8 @@ final class AgentRoom implements AutoCloseable {
         bus.subscribe(FramePhase.PUBLISH, "snapshots",
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
         loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
-        server = AgentServer.start(config, new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
-                new RoomControl(world, loop)));
+        server = AgentServer.start(config, List.of(new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
+                new RoomControl(world, loop))));
     }
 
     static AgentPolicy lending(String... bodies) {

@@ -157,6 +157,7 @@ class EncodingTest {
         room.server.close();
         List<JsonNode> record = Files.readAllLines(folder.resolve("audit.jsonl")).stream().map(TestClient::json).toList();
         assertThat(record).allSatisfy(entry -> assertThat(entry.get("at").stringValue()).startsWith("20"));
+        assertThat(record).allSatisfy(entry -> assertThat(entry.get("world").stringValue()).isEqualTo("pond"));
         assertThat(record.stream().filter(entry -> entry.get("client").stringValue().equals("ada"))
                 .map(entry -> entry.get("message").toString()))
                 .containsExactlyElementsOf(told.stream().map(JsonNode::toString).toList());

@@ -156,6 +156,7 @@ class MessagesTest {
                 if (!hello.role().equals("agent")) {
                     json.put("role", hello.role());
                 }
+                hello.world().ifPresent(world -> json.put("world", world));
                 hello.body().ifPresent(body -> json.put("body", body));
                 if (!hello.encoding().equals("json")) {
                     json.put("encoding", hello.encoding());

@@ -4,34 +4,40 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
+import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
+import picocli.CommandLine.Parameters;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldDescription;
+import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.ServerReport;
+import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
-/** Runs a world that agents can join and laws can be dropped into, until Ctrl-C. */
+/** Runs worlds that agents can join and laws can be dropped into, until Ctrl-C. */
 @Command(
         name = "serve",
-        description = "Runs a world that agents can join and laws can be dropped into, until Ctrl-C.")
+        description = "Runs worlds that agents can join and laws can be dropped into, until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
     @Spec
     private CommandSpec spec = CommandSpec.create();
 
-    @Mixin
-    private WorldArgument world = new WorldArgument();
+    @Parameters(paramLabel = "WORLD", arity = "1..*",
+            description = "World files, or folders that hold a world.yaml. Each world runs by itself.")
+    private List<Path> paths = new ArrayList<>();
 
     @Mixin
     private ListenOptions listen = new ListenOptions();
@@ -52,7 +58,8 @@ public final class ServeCommand implements Callable<Integer> {
     private List<Double> snapshotAt = new ArrayList<>();
 
     @Option(names = "--store", paramLabel = "FILE",
-            description = "Keep the world in this file, and go on with what it holds.")
+            description = "Keep the world in this file, and go on with what it holds. "
+                    + "Of several worlds: a folder, in which each has WORLD.db.")
     private Optional<Path> store = Optional.empty();
 
     @Option(names = "--store-every", paramLabel = "S", defaultValue = "10",
@@ -64,7 +71,8 @@ public final class ServeCommand implements Callable<Integer> {
     private SqliteStore.Durability durability = SqliteStore.Durability.NORMAL;
 
     @Option(names = "--record", paramLabel = "FILE",
-            description = "Record the run, for ./reve replay.")
+            description = "Record the run, for ./reve replay. Of several worlds: a folder, in which "
+                    + "each has WORLD.log.")
     private Optional<Path> record = Optional.empty();
 
     @Option(names = "--audit", paramLabel = "FILE",
@@ -80,37 +88,65 @@ public final class ServeCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         AgentServerConfig agents = agents();
-        WorldDescription description = world.load();
-        long frames = Frames.of(spec, "--seconds", seconds, description.timing());
-        List<Long> pictureFrames = new ArrayList<>();
-        for (double time : snapshotAt) {
-            pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
-        }
-        if (!pictureFrames.isEmpty()) {
-            Files.createDirectories(snapshots);
-        }
-        Pictures pictures = new Pictures(snapshots, pictureFrames);
+        requireStoreEvery();
+        List<WorldPlan> plans = plans();
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json)) {
-            WorldServer server = new WorldServer(description, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                    agents, laws, persistence(), pictures, events);
+            WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
+                    agents, laws, events);
             try (Interrupt _ = new Interrupt(server::stop)) {
                 ServerReport report;
                 try (server) {
                     server.start();
-                    report = server.run(frames);
+                    report = server.run();
                 }
                 events.end(report);
+                return report.failed() ? ExitCode.FAILURE : ExitCode.OK;
             }
         }
-        return ExitCode.OK;
     }
 
-    private Persistence persistence() {
+    private List<WorldPlan> plans() throws IOException, WorldFileException {
+        if (!snapshotAt.isEmpty()) {
+            Files.createDirectories(snapshots);
+        }
+        Map<String, WorldPlan> plans = new LinkedHashMap<>();
+        for (Path path : paths) {
+            WorldArgument world = new WorldArgument(path);
+            WorldDescription description = world.load();
+            if (plans.put(description.name(), plan(description, world.folder())) != null) {
+                throw new ParameterException(spec.commandLine(), "two worlds are called "
+                        + description.name() + ", expected different names: agents tell them apart by these");
+            }
+        }
+        return List.copyOf(plans.values());
+    }
+
+    private WorldPlan plan(WorldDescription description, Path folder) throws IOException {
+        List<Long> pictureFrames = new ArrayList<>();
+        for (double time : snapshotAt) {
+            pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
+        }
+        return new WorldPlan(description,
+                Frames.of(spec, "--seconds", seconds, description.timing()),
+                new Persistence(folder, fileOf(record, description.name() + ".log"),
+                        fileOf(store, description.name() + ".db"), storeEvery, durability),
+                new Pictures(snapshots, pictureFrames));
+    }
+
+    /** The file of one world: that named or, of several worlds, one in the folder named. */
+    private Optional<Path> fileOf(Optional<Path> named, String name) throws IOException {
+        if (named.isPresent() && paths.size() > 1) {
+            Files.createDirectories(named.get());
+            return Optional.of(named.get().resolve(name));
+        }
+        return named;
+    }
+
+    private void requireStoreEvery() {
         if (!(storeEvery > 0)) {
             throw new ParameterException(spec.commandLine(),
                     "--store-every is " + storeEvery + ", expected a time above 0 s");
         }
-        return new Persistence(world.folder(), record, store, storeEvery, durability);
     }
 
     private AgentServerConfig agents() throws IOException {

@@ -14,7 +14,15 @@ final class WorldArgument {
     @Parameters(
             paramLabel = "WORLD",
             description = "A world file, or a folder that holds a world.yaml.")
-    private Path path = Path.of("");
+    private Path path;
+
+    WorldArgument() {
+        this(Path.of(""));
+    }
+
+    WorldArgument(Path path) {
+        this.path = path;
+    }
 
     /** The file itself. */
     Path file() {

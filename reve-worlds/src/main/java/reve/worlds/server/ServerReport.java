@@ -2,15 +2,35 @@ package reve.worlds.server;
 
 import java.io.PrintWriter;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Locale;
 import java.util.Map;
 import reve.core.agent.AgentStats;
 
-/** What a server's run came to: the world's part and the agents'. */
-public record ServerReport(RunReport run, AgentStats agents) {
+/**
+ * What a server's run came to: the worlds' part and the agents'.
+ *
+ * @param runs of the worlds that did not fail
+ * @param worlds how many there were
+ */
+public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) {
+    public ServerReport {
+        runs = List.copyOf(runs);
+    }
+
+    /** True if a world ended by a failure, which was told when it happened. */
+    public boolean failed() {
+        return runs.size() < worlds;
+    }
+
     /** For JSON; the caller may add to it. */
     public Map<String, Object> fields() {
-        Map<String, Object> fields = new LinkedHashMap<>(run.fields());
+        Map<String, Object> fields = new LinkedHashMap<>();
+        if (worlds > 1) {
+            fields.put("worlds", runs.stream().map(RunReport::fields).toList());
+        } else {
+            runs.forEach(run -> fields.putAll(run.fields()));
+        }
         Map<String, Object> agentFields = new LinkedHashMap<>();
         agentFields.put("joined", agents.joined());
         agentFields.put("perceptions", agents.perceptions());
@@ -24,7 +44,7 @@ public record ServerReport(RunReport run, AgentStats agents) {
 
     /** A few lines for people. */
     public void print(PrintWriter out) {
-        run.print(out);
+        runs.forEach(run -> run.print(out));
         out.printf(Locale.ROOT, "agents: %d joined, %d perceptions, %d acts accepted, %d refused, %d cut%n",
                 agents.joined(), agents.perceptions(), agents.actsAccepted(), agents.actsRefused(), agents.cut());
     }

@@ -1,0 +1,154 @@
+package reve.core.agent;
+
+import java.time.Duration;
+import java.util.ArrayDeque;
+import java.util.Deque;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.concurrent.ConcurrentHashMap;
+import reve.core.agent.ServerMessage.Limits;
+import reve.core.agent.ServerMessage.Welcome;
+import reve.core.frame.FrameGate;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Subscription;
+
+/** One of the worlds of a server: who is in it, and how they are told and obeyed. */
+final class ServedWorld implements AutoCloseable {
+
+    private final AgentServer server;
+    private final WorldPort port;
+    private final Publisher publisher;
+    private final ControlDesk desk;
+    private final LockStep lockStep;
+    private final Subscription subscription;
+    private final Map<String, Session> sessions = new ConcurrentHashMap<>();
+    private final Deque<AgentCommand> leaving = new ArrayDeque<>();
+    private volatile boolean ended;
+
+    /** @param waiting how its frame loop waits for agents in lock-step */
+    ServedWorld(AgentServer server, WorldPort port, LockStep.Waiting waiting) {
+        this.server = server;
+        this.port = port;
+        this.publisher = new Publisher(port, server.log(), this::queueLeaving, server::wake);
+        this.desk = new ControlDesk(port, publisher, server.log());
+        this.lockStep = new LockStep(port.loop()::wake, desk::late, waiting);
+        port.loop().setGate(lockStep);
+        this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
+    }
+
+    String name() {
+        return port.world();
+    }
+
+    AgentServer server() {
+        return server;
+    }
+
+    Publisher publisher() {
+        return publisher;
+    }
+
+    ControlDesk desk() {
+        return desk;
+    }
+
+    LockStep lockStep() {
+        return lockStep;
+    }
+
+    /** True if nobody can come in any more. */
+    boolean hasEnded() {
+        return ended;
+    }
+
+    /** No more frames are made: says bye to everybody who is there. */
+    void end() {
+        ended = true;
+        sessions.values().forEach(session -> session.end(
+                Ending.regular("closing", "the world " + Text.quote(name()) + " ends")));
+    }
+
+    /** Hears of no more frames. */
+    @Override
+    public void close() {
+        port.loop().setGate(FrameGate.OPEN);
+        subscription.close();
+    }
+
+    void checkGrace(long nowNanos) {
+        sessions.values().forEach(session -> session.checkGrace(nowNanos));
+    }
+
+    /** @param current the tokens that open the server now */
+    void checkTokens(Set<AgentToken> current) {
+        sessions.values().forEach(session -> session.checkToken(current));
+    }
+
+    /** How many there are, with those whose connection broke and may come back. */
+    int clients() {
+        return sessions.size();
+    }
+
+    // ---- coming and going ----
+
+    /**
+     * Lets a client in.
+     *
+     * @param token that opened the server for it, if the server takes tokens
+     * @return its session; the welcome comes when the world has taken it
+     * @throws Ending if it cannot come in
+     */
+    Session greet(Connection connection, Role role, ClientMessage.Hello hello, Optional<AgentToken> token)
+            throws Ending {
+        var session = new Session(this, connection, role, hello, token);
+        if (sessions.putIfAbsent(hello.name(), session) != null) {
+            throw Ending.refused("name-taken", "another client is called " + Text.quote(hello.name()),
+                    "say hello with another name");
+        }
+        if (role != Role.AGENT) {
+            publisher.later(() -> session.welcome(Optional.empty(), publisher.published()));
+            return session;
+        }
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
+        var join = desk.command(new AgentInput.Join(hello.name(), hello.body(), rights), session::came);
+        if (!port.commands().offer(join)) {
+            sessions.remove(hello.name());
+            throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");
+        }
+        return session;
+    }
+
+    /** Who is there by that name, or was a moment ago. */
+    Optional<Session> find(String client) {
+        return Optional.ofNullable(sessions.get(client));
+    }
+
+    Welcome welcome(Session session, ClientMessage.Hello hello, long frame, boolean resumed) {
+        AgentServerConfig config = server.config();
+        return new Welcome(hello.id(), AgentServer.PROTOCOL, session.role(), hello.name(), session.body(),
+                port.world(), frame, port.framesPerSecond(), session.encoding(), session.rhythm(),
+                Optional.ofNullable(session.ticket()), resumed, new Limits(config.lineBytes(), config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
+    }
+
+    private static double seconds(Duration duration) {
+        return duration.toMillis() / 1000.0;
+    }
+
+    /** Takes a client out of the world, in the next frame that has room for the command. */
+    synchronized void leave(Session session, String reason) {
+        if (session.role() == Role.AGENT) {
+            leaving.add(desk.command(new AgentInput.Leave(session.name(), reason), outcome -> { }));
+            queueLeaving();
+        } else {
+            sessions.remove(session.name());
+        }
+    }
+
+    /** Once queued, the name is free again: commands of one name keep their order. */
+    private synchronized void queueLeaving() {
+        while (!leaving.isEmpty() && port.commands().offer(leaving.getFirst())) {
+            sessions.remove(leaving.removeFirst().origin());
+        }
+    }
+}

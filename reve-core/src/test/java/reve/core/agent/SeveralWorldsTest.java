@@ -1,0 +1,130 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.util.List;
+import org.junit.jupiter.api.AfterEach;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import reve.core.derive.DerivedColumns;
+import reve.core.frame.CommandQueue;
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameLoop;
+import reve.core.frame.FramePhase;
+import reve.core.frame.Pacing;
+import reve.core.frame.Timing;
+import reve.core.world.OffHeapArena;
+import reve.core.world.SnapshotRing;
+import reve.core.world.World;
+import reve.core.world.WorldPrototype;
+
+/** Two worlds behind one port, stepped by hand, each by itself. */
+class SeveralWorldsTest {
+
+    private final Pond pond = new Pond("pond");
+    private final Pond lake = new Pond("lake");
+    private AgentServer server;
+
+    private static final class Pond {
+        private final World world;
+        private final FrameLoop loop;
+        private final WorldPort port;
+
+        Pond(String name) {
+            world = new World(name, WorldPrototype.standard("si-f64"), new OffHeapArena());
+            world.add(AgentRoom.duck());
+            var bus = new FrameBus();
+            var commands = new CommandQueue(64);
+            commands.subscribeTo(bus);
+            DerivedColumns.subscribeTo(bus);
+            var snapshots = new SnapshotRing(world, 3);
+            bus.subscribe(FramePhase.PUBLISH, "snapshots",
+                    event -> snapshots.publish(event.frame(), event.timeSeconds()));
+            loop = new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST);
+            port = new WorldPort(name, 60, AgentRoom.making(), bus, commands, snapshots, loop,
+                    new RoomControl(world, loop));
+        }
+    }
+
+    @BeforeEach
+    void open() throws IOException {
+        server = AgentServer.start(AgentRoom.CONFIG, List.of(pond.port, lake.port));
+    }
+
+    @AfterEach
+    void close() {
+        server.close();
+    }
+
+    @Test
+    void helloSaysWhichWorldAndTheWelcomeNamesIt() throws IOException {
+        try (TestClient _ = join("ada", pond); TestClient _ = join("bob", lake)) {
+            assertThat(pond.world.find("ada")).isPresent();
+            assertThat(pond.world.find("bob")).isEmpty();
+            assertThat(lake.world.find("bob")).isPresent();
+        }
+    }
+
+    @Test
+    void whoNamesNoWorldOrAnotherIsToldWhichThereAre() throws IOException {
+        for (String hello : List.of("{'t':'hello','protocol':1,'name':'ada'}",
+                "{'t':'hello','protocol':1,'name':'ada','world':'sea'}")) {
+            try (TestClient ada = new TestClient(server.address())) {
+                assertThat(ada.say(hello).expectBye("no-such-world").get("hint").stringValue())
+                        .contains("\"pond\"").contains("\"lake\"");
+            }
+        }
+    }
+
+    @Test
+    void worldsShareNeitherNamesNorEventsNorFrames() throws IOException {
+        try (TestClient ada = join("ada", pond); TestClient other = join("ada", lake)) {
+            ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
+            pond.loop.step();
+            assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
+            assertThat(pond.world.find("duck").orElseThrow().semantic().get("wound")).isPresent();
+            assertThat(lake.world.find("duck").orElseThrow().semantic().get("wound")).isEmpty();
+            other.say("{'t':'perceive','id':2}").sync();
+            lake.loop.step();
+            assertThat(other.expect("perception").get("frame").longValue()).isEqualTo(2);
+        }
+    }
+
+    @Test
+    void aWorldThatEndsSaysByeToItsOwnAndIsNotThereAnyMore() throws IOException {
+        try (TestClient ada = join("ada", pond); TestClient bob = join("bob", lake);
+                TestClient late = new TestClient(server.address())) {
+            server.end("pond");
+            ada.expectBye("closing");
+            late.say("{'t':'hello','protocol':1,'name':'eve','world':'pond'}").expectBye("no-such-world");
+            bob.say("{'t':'perceive','id':1}").sync();
+            lake.loop.step();
+            bob.expect("perception");
+        }
+    }
+
+    @Test
+    void aBrokenConnectionGoesOnInItsOwnWorld() throws IOException {
+        TestClient ada = new TestClient(server.address());
+        ada.say("{'t':'hello','protocol':1,'name':'ada','world':'lake','graceSeconds':60}").sync();
+        lake.loop.step();
+        String token = ada.expect("welcome").at("/session/token").stringValue();
+        ada.close();
+        String resume = "'name':'ada','resume':{'session':'" + token + "','frame':1}}";
+        try (TestClient wrong = new TestClient(server.address()); TestClient right = new TestClient(server.address())) {
+            wrong.say("{'t':'hello','protocol':1,'world':'pond'," + resume).expectBye("no-such-session");
+            right.say("{'t':'hello','protocol':1,'world':'lake'," + resume);
+            assertThat(right.expect("welcome").get("world").stringValue()).isEqualTo("lake");
+        }
+    }
+
+    private TestClient join(String name, Pond in) throws IOException {
+        var client = new TestClient(server.address());
+        client.say("{'t':'hello','protocol':1,'name':'" + name + "','world':'" + in.world.name() + "'}").sync();
+        in.loop.step();
+        assertThat(client.expect("welcome").get("world").stringValue()).isEqualTo(in.world.name());
+        client.expect("event");
+        return client;
+    }
+}

@@ -1,0 +1,157 @@
+package reve.worlds.server;
+
+import java.io.IOException;
+import java.net.InetSocketAddress;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+import reve.core.agent.WorldPort;
+import reve.core.file.AgentPolicy;
+import reve.core.frame.FrameEvent;
+import reve.core.frame.Pacing;
+import reve.core.world.WorldEvent;
+import reve.pe.adapter.LawFolder;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.RunLog;
+
+/**
+ * A world of a server, with what keeps it and what is dropped into it. Whoever calls a method owns
+ * the world then; {@link #stop} is for any thread.
+ */
+final class HostedWorld implements AutoCloseable {
+    private final Closing closing = new Closing();
+    private final WorldPlan plan;
+    private final Optional<Path> lawsFolder;
+    private final ServerEvents events;
+    private final Optional<StoredWorld> stored;
+    private final Simulation simulation;
+    private final ServerControl control;
+    private final @Nullable LawFolder laws;
+
+    /**
+     * Builds the world, loads its laws, and opens what it is kept in.
+     *
+     * @param lawsFolder watched for law libraries, if given
+     */
+    HostedWorld(WorldPlan plan, Pacing pacing, Optional<Path> lawsFolder, ServerEvents events)
+            throws IOException {
+        this.plan = plan;
+        this.lawsFolder = lawsFolder;
+        this.events = events;
+        try {
+            stored = openStore(pacing);
+            stored.ifPresent(world -> closing.add(world.store()));
+            simulation = closing.add(stored.map(StoredWorld::simulation)
+                    .orElseGet(() -> new Simulation(plan.description(), pacing)));
+            closing.add(plan.pictures());
+            laws = lawsFolder.map(folder -> closing.add(new LawFolder(folder, simulation.engine(),
+                    simulation.physics().laws(), simulation.commands()))).orElse(null);
+            control = closing.add(new ServerControl(simulation, plan.pictures()));
+            plan.pictures().subscribeTo(simulation, events);
+            simulation.onPublish("server events", this::tellEvents);
+            keepJournals(pacing == Pacing.FAST);
+        } catch (IOException | RuntimeException refused) {
+            closing.closeAfter(refused);
+            throw refused;
+        }
+    }
+
+    private Optional<StoredWorld> openStore(Pacing pacing) throws IOException {
+        Persistence persistence = plan.persistence();
+        return persistence.store().isEmpty() ? Optional.empty()
+                : Optional.of(StoredWorld.open(persistence.store().get(), persistence.durability(),
+                        plan.description(), pacing, problem -> tellProblem("store", problem)));
+    }
+
+    /** Last, so that they see what everybody else did in ACT. */
+    private void keepJournals(boolean waits) throws IOException {
+        Persistence persistence = plan.persistence();
+        if (stored.isPresent()) {
+            long frames = Math.max(1, Math.round(persistence.imageSeconds()
+                    * plan.description().timing().framesPerSecond()));
+            closing.add(simulation.journal(persistence.folder(), Map.of(),
+                    new Journal.Plan(frames, waits), stored.get().store(),
+                    problem -> tellProblem("store", problem)));
+        }
+        if (persistence.recording().isPresent()) {
+            closing.add(simulation.journal(persistence.folder(), Map.of(),
+                    new Journal.Plan(0, waits), RunLog.create(persistence.recording().get()),
+                    problem -> tellProblem("recording", problem)));
+        }
+    }
+
+    /** Something failed that is no matter of one law. Any thread. */
+    void tellProblem(String source, String message) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("source", source);
+        fields.put("message", message);
+        events.happened("fault", fields);
+    }
+
+    String name() {
+        return plan.description().name();
+    }
+
+    /** What an agent server needs of it. */
+    WorldPort port() {
+        return new WorldPort(name(), plan.description().timing().framesPerSecond(),
+                plan.description().agents(), simulation.bus(), simulation.commands(),
+                simulation.snapshots(), simulation.loop(), control);
+    }
+
+    /** Begins to watch the laws folder, and says that the world is ready. */
+    void start(InetSocketAddress agents) {
+        if (laws != null) {
+            laws.start();
+        }
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("world", name());
+        fields.put("agents", agents.getHostString() + ":" + agents.getPort());
+        fields.put("agentPort", agents.getPort());
+        AgentPolicy policy = plan.description().agents();
+        if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
+            fields.put("note", "the world file grants agents no body, so none can join");
+        }
+        lawsFolder.ifPresent(folder -> fields.put("laws", folder.toString()));
+        stored.ifPresent(world -> {
+            fields.put("store", plan.persistence().store().orElseThrow().toString());
+            fields.put("frame", simulation.loop().frame());
+            fields.put("stateHash", String.format(Locale.ROOT, "%016x", world.stateHash()));
+        });
+        plan.persistence().recording().ifPresent(file -> fields.put("recording", file.toString()));
+        fields.put("pid", ProcessHandle.current().pid());
+        events.happened("ready", fields);
+    }
+
+    /** Makes the frames that are planned, fewer if {@link #stop} is called, and reports on them. */
+    RunReport run() {
+        long start = System.nanoTime();
+        simulation.loop().run(plan.frames());
+        return RunReport.of(simulation, (System.nanoTime() - start) * 1e-9);
+    }
+
+    /** Ends {@link #run} after its frame. Any thread. */
+    void stop() {
+        simulation.loop().stop();
+    }
+
+    /** Finishes pictures and journals, frees everything. May be called twice. */
+    @Override
+    public void close() {
+        simulation.world().claim();
+        closing.close();
+    }
+
+    private void tellEvents(FrameEvent frame) {
+        for (WorldEvent event : frame.world().events()) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("frame", event.frame());
+            fields.put("time", frame.timeSeconds());
+            event.fields().forEach(fields::putIfAbsent);
+            events.happened(event.type(), fields);
+        }
+    }
+}
