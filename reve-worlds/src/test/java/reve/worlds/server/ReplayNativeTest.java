@@ -13,6 +13,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
+import java.util.concurrent.CountDownLatch;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -205,9 +206,54 @@ class ReplayNativeTest {
         }
     }
 
-    /** Fails at the first frame, once; images and what follows them are lists of their own. */
+    /** The world goes on, and what is left out is made up for by an image. */
+    @Test
+    void aDiskThatHangsIsToldAndCostsNoMoreThanTheFramesThatFindNoRoom() throws Exception {
+        List<List<JournalRecord>> kept = new ArrayList<>();
+        List<String> problems = new ArrayList<>();
+        CountDownLatch mended = new CountDownLatch(1);
+        long hash;
+        try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
+            try (Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                    new Journal.Plan(100_000, false), hangingAtFirstFrame(kept, mended),
+                    problems::add)) {
+                simulation.loop().run(2100);
+                assertThat(problems).hasSize(2);
+                assertThat(problems.get(0)).startsWith("the disk is too slow: frame 1 ");
+                assertThat(problems.get(1)).startsWith("the disk is too slow: frames from 2049 on");
+                mended.countDown();
+                simulation.loop().run(100);
+                hash = simulation.physics().stateHash();
+            }
+        }
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
+            kept.forEach(records -> records.forEach(
+                    record -> assertThat(replay.take(record)).isTrue()));
+            assertThat(replay.frames()).isBetween(2048L, 2200L);
+            try (Simulation again = replay.release()) {
+                assertThat(again.loop().frame()).isEqualTo(2200);
+                assertThat(again.physics().stateHash()).isEqualTo(hash);
+            }
+        }
+    }
+
+    private static JournalSink hangingAtFirstFrame(List<List<JournalRecord>> kept,
+            CountDownLatch mended) {
+        return new ListSink(kept) {
+            @Override
+            public void write(JournalRecord record) throws IOException {
+                try {
+                    mended.await();
+                } catch (InterruptedException e) {
+                    throw new IOException(e);
+                }
+                super.write(record);
+            }
+        };
+    }
+
     private static JournalSink failingAtFirstFrame(List<List<JournalRecord>> kept) {
-        return new JournalSink() {
+        return new ListSink(kept) {
             private boolean failed;
 
             @Override
@@ -216,30 +262,44 @@ class ReplayNativeTest {
                     failed = true;
                     throw new IOException("disk full");
                 }
-                kept.getLast().add(record);
-            }
-
-            @Override
-            public Place place() {
-                List<JournalRecord> own = new ArrayList<>();
-                kept.add(own);
-                kept.add(new ArrayList<>());
-                return (libraries, image) -> {
-                    own.addAll(libraries);
-                    own.add(image);
-                };
-            }
-
-            @Override
-            public void sync() {
-                // nothing outlives this process anyway
-            }
-
-            @Override
-            public void close() {
-                // nothing is open
+                super.write(record);
             }
         };
+    }
+
+    /** Keeps records in memory; images and what follows them are lists of their own. */
+    private static class ListSink implements JournalSink {
+        private final List<List<JournalRecord>> kept;
+
+        ListSink(List<List<JournalRecord>> kept) {
+            this.kept = kept;
+        }
+
+        @Override
+        public void write(JournalRecord record) throws IOException {
+            kept.getLast().add(record);
+        }
+
+        @Override
+        public Place place() {
+            List<JournalRecord> own = new ArrayList<>();
+            kept.add(own);
+            kept.add(new ArrayList<>());
+            return (libraries, image) -> {
+                own.addAll(libraries);
+                own.add(image);
+            };
+        }
+
+        @Override
+        public void sync() {
+            // nothing outlives this process anyway
+        }
+
+        @Override
+        public void close() {
+            // nothing is open
+        }
     }
 
     private interface Interference {
