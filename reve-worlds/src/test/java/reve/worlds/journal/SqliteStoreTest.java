@@ -130,6 +130,29 @@ class SqliteStoreTest {
         }
     }
 
+    /** Read whole, told, refused by name, or (an empty file) a new store. */
+    @Test
+    void aStoreThatIsCutIsNeverReadAsAnotherInSilence() throws IOException {
+        fill();
+        byte[] whole = Files.readAllBytes(file);
+        List<String> expected = read();
+        Random random = new Random(SEED);
+        for (int i = 0; i < FLIPS / 4; i++) {
+            int length = i == 0 ? 0 : random.nextInt(whole.length);
+            Files.write(file, Arrays.copyOf(whole, length));
+            Files.deleteIfExists(folder.resolve("my.db-wal"));
+            problems.clear();
+            try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
+                assertThat(length == 0 ? store.isEmpty()
+                        : describe(store.read(problems::add)).equals(expected)
+                                || !problems.isEmpty())
+                        .as("cut at byte %d, seed %d", length, SEED).isTrue();
+            } catch (CorruptException | IOException refused) {
+                assertThat(refused).hasMessageContaining("my.db");
+            }
+        }
+    }
+
     @Test
     void whatIsNoStoreIsRefusedAndLeftAsItIs() throws Exception {
         Files.writeString(file, "Dear diary, this is no database at all.");
