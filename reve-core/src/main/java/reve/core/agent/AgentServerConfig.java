@@ -73,8 +73,8 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
 
     /** The protocol's limits on any address. */
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
-        return new AgentServerConfig(address, 1024, 8 * 1024, Duration.ofSeconds(2), 64 * 1024,
-                Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(60),
+        return new AgentServerConfig(address, 4096, 8 * 1024, Duration.ofSeconds(2), 64 * 1024,
+                Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(5), Duration.ofSeconds(60),
                 Duration.ofSeconds(10), Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty(), security);
     }
 

@@ -236,7 +236,11 @@ public final class Members {
         int eye = bodies.rowOf(body.id());
         int row = bodies.rowOf(item);
         if (eye >= 0 && row >= 0) {
-            sensed.load(bodies);
+            if (sensors.stream().anyMatch(Sensor::lineOfSight)) {
+                sensed.load(bodies);
+            } else {
+                sensed.load(bodies, eye, row);
+            }
         }
         return item.equals(body.id()) || sensors.stream().anyMatch(sensor -> sensor.isUnlimited()
                 || eye >= 0 && row >= 0 && sensed.senses(sensor, eye, row));

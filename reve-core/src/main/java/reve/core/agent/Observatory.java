@@ -251,10 +251,20 @@ final class Observatory {
 
     /** Whether any of a body's sensors senses an item now. */
     boolean senses(List<Sensor> sensors, ItemId body, ItemId item) {
+        if (item.equals(body)) {
+            return true;
+        }
+        int place = everything.indexOf(item);
+        if (place < 0) {
+            return false;
+        }
         int eye = row(body);
-        int row = row(item);
-        return item.equals(body) || everything.indexOf(item) >= 0
-                && sensors.stream().anyMatch(sensor -> senses(sensor, eye, row));
+        for (Sensor sensor : sensors) {
+            if (senses(sensor, eye, rows[place])) {
+                return true;
+            }
+        }
+        return false;
     }
 
     private boolean senses(Sensor sensor, int eye, int row) {

@@ -183,9 +183,10 @@ final class Publisher {
     private void tell(WorldEvent event) {
         var message = new ServerMessage.Event(event.frame(), event.type(), event.fields());
         var encoded = new EnumMap<Encoding, byte[]>(Encoding.class);
+        Mentions mentions = Mentions.in(event, observatory, this::bodyOf);
         for (Session member : members) {
             if (member.hasSensors()) {
-                member.hear(event, observatory, this::bodyOf);
+                member.hear(event, mentions, observatory);
             } else {
                 member.tell(message, encoded.computeIfAbsent(member.encoding(), message::in));
             }

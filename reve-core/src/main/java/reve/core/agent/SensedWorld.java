@@ -37,7 +37,16 @@ final class SensedWorld {
 
     /** Takes the bodies as they are now. */
     void load(TableView bodies) {
-        rows = bodies.rowCount();
+        reserve(bodies.rowCount());
+        read(bodies.column("position"), position, 3 * rows);
+        read(bodies.column("orientation"), orientation, 4 * rows);
+        read(bodies.column("boundsMin"), low, 3 * rows);
+        read(bodies.column("boundsMax"), high, 3 * rows);
+        MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0, shape, 0, rows);
+    }
+
+    private void reserve(int rowCount) {
+        rows = rowCount;
         if (shape.length < rows) {
             int capacity = Math.max(rows, 2 * shape.length);
             position = new double[3 * capacity];
@@ -46,11 +55,23 @@ final class SensedWorld {
             high = new double[3 * capacity];
             shape = new int[capacity];
         }
-        read(bodies.column("position"), position, 3 * rows);
-        read(bodies.column("orientation"), orientation, 4 * rows);
-        read(bodies.column("boundsMin"), low, 3 * rows);
-        read(bodies.column("boundsMax"), high, 3 * rows);
-        MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0, shape, 0, rows);
+    }
+
+    /** Takes only two of the bodies, which is enough for sensors that need no line of sight. */
+    void load(TableView bodies, int a, int b) {
+        reserve(bodies.rowCount());
+        for (int row : new int[] {a, b}) {
+            readRow(bodies.column("position"), position, row);
+            readRow(bodies.column("orientation"), orientation, row);
+            readRow(bodies.column("boundsMin"), low, row);
+            readRow(bodies.column("boundsMax"), high, row);
+        }
+    }
+
+    private static void readRow(ColumnView column, double[] into, int row) {
+        for (int i = 0; i < column.components(); i++) {
+            into[row * column.components() + i] = column.getDouble(row, i);
+        }
     }
 
     private static void read(ColumnView column, double[] into, int count) {

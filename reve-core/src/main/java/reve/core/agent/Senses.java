@@ -6,9 +6,8 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.Set;
 import java.util.TreeMap;
-import java.util.function.Function;
+import reve.core.agent.Mentions.Mention;
 import reve.core.world.ItemId;
 import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
@@ -16,10 +15,7 @@ import reve.core.world.WorldEvent;
 /** What one agent perceives through its body's sensors, each at its own pace. The event loop's thread. */
 final class Senses {
 
-    /** The fields of events that name items. */
-    private static final Set<String> ITEM_FIELDS = Set.of("item", "body", "actor", "target");
     private static final String FAULT = "fault";
-    private static final String AGENT = "agent";
 
     private final ItemId body;
     private final List<Sensor> sensors;
@@ -80,40 +76,36 @@ final class Senses {
     /**
      * What the agent hears of an event: nothing if it names items and the agent perceives none of them, else all
      * but the names of those it does not perceive. Faults are for operators.
-     *
-     * @param bodyOf the body's name of an agent, by its name
      */
-    Optional<Map<String, Object>> hear(WorldEvent event, Observatory world,
-            Function<String, Optional<String>> bodyOf) {
-        if (event.type().equals(FAULT)) {
+    Optional<Map<String, Object>> hear(WorldEvent event, Mentions mentions, Observatory world) {
+        if (event.type().equals(FAULT) || mentions.namesItems() && !perceivesAny(mentions, world)) {
             return Optional.empty();
         }
-        boolean namesItems = false;
-        boolean perceivesOne = false;
         var heard = new LinkedHashMap<String, Object>();
-        for (Map.Entry<String, Object> field : event.fields().entrySet()) {
-            boolean isItem = ITEM_FIELDS.contains(field.getKey());
-            boolean perceived = isItem ? perceives(world, field.getValue())
-                    : !field.getKey().equals(AGENT) || perceivesAgent(event, world, bodyOf);
-            namesItems |= isItem;
-            perceivesOne |= isItem && perceived;
-            if (perceived) {
-                heard.put(field.getKey(), field.getValue());
+        event.fields().forEach((field, value) -> {
+            Mention mention = mentions.byField().get(field);
+            if (mention == null ? !field.equals(Mentions.AGENT) : perceives(world, mention)) {
+                heard.put(field, value);
             }
-        }
-        return namesItems && !perceivesOne ? Optional.empty() : Optional.of(heard);
+        });
+        return Optional.of(heard);
     }
 
-    private boolean perceivesAgent(WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
-        Object itsBody = event.fields().get("body");
-        return itsBody != null ? perceives(world, itsBody)
-                : bodyOf.apply(String.valueOf(event.fields().get(AGENT))).filter(name -> perceives(world, name))
-                        .isPresent();
+    private boolean perceivesAny(Mentions mentions, Observatory world) {
+        for (Map.Entry<String, Mention> mention : mentions.byField().entrySet()) {
+            if (!mention.getKey().equals(Mentions.AGENT) && perceives(world, mention.getValue())) {
+                return true;
+            }
+        }
+        return false;
     }
 
     /** Something it senses now, or was told of and not yet that it has gone. */
-    private boolean perceives(Observatory world, Object name) {
-        return view.holds(String.valueOf(name)) || world.find(String.valueOf(name))
-                .filter(item -> world.senses(sensors, body, item)).isPresent();
+    private boolean perceives(Observatory world, Mention mention) {
+        if (mention.id().isEmpty()) {
+            return view.holds(mention.name());
+        }
+        ItemId item = mention.id().get();
+        return view.indexOf(item) >= 0 || world.senses(sensors, body, item);
     }
 }

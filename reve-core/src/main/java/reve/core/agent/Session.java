@@ -5,7 +5,6 @@ import java.security.MessageDigest;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
-import java.util.function.Function;
 import org.jspecify.annotations.Nullable;
 import reve.core.world.WorldEvent;
 
@@ -182,9 +181,9 @@ final class Session {
     }
 
     /** Tells what its sensors let it know of an event. */
-    void hear(WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
+    void hear(WorldEvent event, Mentions mentions, Observatory world) {
         if (senses != null) {
-            senses.hear(event, world, bodyOf).ifPresent(fields -> {
+            senses.hear(event, mentions, world).ifPresent(fields -> {
                 var message = new ServerMessage.Event(event.frame(), event.type(), fields);
                 tell(message, message.in(encoding));
             });

@@ -91,7 +91,12 @@ class RewindTest {
             world.submit(() -> room.loop.run());
             boss.say("{'t':'pause','id':1}").skipTo("result");
             boss.say("{'t':'perceive','id':2,'every':1}").sync();
-            for (int id = 3; id < 200; id++) {
+            // The frame that was being made when it paused may be perceived, too.
+            long first = boss.say("{'t':'step','id':3}").skipTo("result").get("frame").longValue();
+            for (long seen = 0; seen < first; ) {
+                seen = boss.skipTo("perception").get("frame").longValue();
+            }
+            for (int id = 4; id < 200; id++) {
                 long frame = boss.say("{'t':'step','id':" + id + "}").expect("result").get("frame").longValue();
                 assertThat(boss.expect("perception").get("frame").longValue()).isEqualTo(frame);
             }

@@ -3,9 +3,11 @@ package reve.worlds.cli;
 import java.io.PrintWriter;
 import java.util.LinkedHashMap;
 import java.util.Map;
-import java.util.concurrent.LinkedTransferQueue;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
 import java.util.concurrent.atomic.AtomicLong;
+import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
 import reve.worlds.server.ServerEvents;
 import reve.worlds.server.ServerReport;
@@ -13,14 +15,16 @@ import reve.worlds.server.ServerReport;
 /**
  * Writes what happens in a server to standard output on a thread of its own, so that a reader who
  * does not read never holds a frame up: past 10,000 waiting lines, lines are dropped and counted.
+ * Nobody wakes that thread: it looks for lines every few milliseconds.
  */
 final class EventPrinter implements ServerEvents, AutoCloseable {
     private static final int CAPACITY = 10_000;
+    private static final long LOOK_NANOS = 10_000_000;
     private static final Event LAST = new Event("", Map.of());
 
     private final PrintWriter out;
     private final boolean json;
-    private final LinkedTransferQueue<Event> events = new LinkedTransferQueue<>();
+    private final Queue<Event> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger waiting = new AtomicInteger();
     private final AtomicLong dropped = new AtomicLong();
     private final Thread printer = new Thread(this::print, "event printer");
@@ -64,6 +68,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     @Override
     public void close() {
         events.add(LAST);
+        LockSupport.unpark(printer);
         try {
             printer.join();
         } catch (InterruptedException stopped) {
@@ -72,14 +77,18 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     }
 
     private void print() {
-        try {
-            for (Event event = events.take(); event != LAST; event = events.take()) {
+        while (true) {
+            Event event = events.poll();
+            if (event == LAST) {
+                return;
+            }
+            if (event == null) {
+                out.flush();
+                LockSupport.parkNanos(LOOK_NANOS);
+            } else {
                 waiting.decrementAndGet();
                 out.println(json ? jsonLine(event) : textLine(event));
-                out.flush();
             }
-        } catch (InterruptedException stopped) {
-            Thread.currentThread().interrupt();
         }
     }
 

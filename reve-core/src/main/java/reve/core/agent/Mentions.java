@@ -1,0 +1,47 @@
+package reve.core.agent;
+
+import java.util.HashMap;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.function.Function;
+import reve.core.world.ItemId;
+import reve.core.world.WorldEvent;
+
+/**
+ * The items that an event is about, looked up once for all who may hear of it.
+ *
+ * @param byField what the fields name that name items; {@value #AGENT} stands for the agent's body
+ * @param namesItems true if it is about items, not only about an agent
+ */
+record Mentions(Map<String, Mention> byField, boolean namesItems) {
+
+    static final String AGENT = "agent";
+
+    private static final Set<String> ITEM_FIELDS = Set.of("item", "body", "actor", "target");
+
+    /** @param id empty if there is no such item any more */
+    record Mention(String name, Optional<ItemId> id) {}
+
+    /** @param bodyOf the body's name of an agent, by its name */
+    static Mentions in(WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
+        var byField = new HashMap<String, Mention>();
+        event.fields().forEach((field, value) -> {
+            if (ITEM_FIELDS.contains(field)) {
+                byField.put(field, mention(String.valueOf(value), world));
+            }
+        });
+        boolean namesItems = !byField.isEmpty();
+        Object agent = event.fields().get(AGENT);
+        if (byField.containsKey("body")) {
+            byField.put(AGENT, byField.get("body"));
+        } else if (agent != null) {
+            bodyOf.apply(String.valueOf(agent)).ifPresent(name -> byField.put(AGENT, mention(name, world)));
+        }
+        return new Mentions(byField, namesItems);
+    }
+
+    private static Mention mention(String name, Observatory world) {
+        return new Mention(name, world.find(name));
+    }
+}
