@@ -195,14 +195,12 @@ final class Session {
         if (event.frame() < joinedInFrame) {
             return;
         }
-        boolean room;
-        synchronized (this) {
-            if (graceSeconds > 0) {
+        if (graceSeconds > 0) {
+            synchronized (this) {
                 events.add(event, encoded.length);
             }
-            room = offer(encoded);
         }
-        if (!room) {
+        if (!offer(encoded) && !writeAndOffer(encoded)) {
             end(Ending.cut("too-slow", "too many events wait to be read"));
         }
     }
@@ -426,9 +424,18 @@ final class Session {
         return offer(message.in(encoding));
     }
 
-    /** With this held. @return false if the client has let too much pile up */
+    /** @return false if the client has let too much pile up */
     private boolean offer(byte[] line) {
         Connection now = connection;
         return now == null || now.outbox().offer(line);
+    }
+
+    /** More may happen in one frame than may wait: who reads is not cut for that. Event loop's thread. */
+    private boolean writeAndOffer(byte[] line) {
+        Connection now = connection;
+        if (now != null) {
+            now.write();
+        }
+        return offer(line);
     }
 }

@@ -258,6 +258,26 @@ class AgentLimitsTest {
     }
 
     @Test
+    void whoReadsIsNotCutHoweverMuchHappensInOneFrame() throws IOException {
+        AgentServerConfig config = AgentRoom.config(NEVER, NEVER, NEVER, NEVER);
+        int count = 5 * config.outboxMessages();
+        try (AgentRoom room = new AgentRoom(config); TestClient ada = room.join("ada")) {
+            List<TestClient> others = new ArrayList<>();
+            for (int i = 0; i < count; i++) {
+                others.add(room.connect().say(HELLO.formatted("agent" + i)).sync());
+            }
+            room.step();
+            for (int i = 0; i < count; i++) {
+                assertThat(ada.expect("event").get("type").stringValue()).isEqualTo("joined");
+            }
+            ada.sync();
+            for (TestClient other : others) {
+                other.close();
+            }
+        }
+    }
+
+    @Test
     void moreConnectionsThanAllowedAreTurnedAwayWithAReason() throws IOException {
         AgentServerConfig config = with(AgentRoom.CONFIG, 2);
         try (AgentRoom room = new AgentRoom(config); TestClient ada = room.join("ada");
