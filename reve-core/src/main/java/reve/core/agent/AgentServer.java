@@ -221,7 +221,8 @@ public final class AgentServer implements AutoCloseable {
             return resume(connection, hello, hello.resume().get());
         }
         Optional<AgentToken> token = requireToken(connection, hello);
-        ServedWorld world = requireWorld(hello.world());
+        Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
+        ServedWorld world = requireWorld(hello.world(), rights);
         requireOpen(hello, role, token, world);
         if (worlds.stream().mapToInt(ServedWorld::clients).sum() >= config.maxConnections()) {
             throw full(); // those that wait for their client count, too
@@ -241,12 +242,14 @@ public final class AgentServer implements AutoCloseable {
         return session;
     }
 
-    private ServedWorld requireWorld(Optional<String> name) throws Ending {
-        List<ServedWorld> meant = meant(name);
+    /** The world that is named, or the only one that is open to the client. */
+    private ServedWorld requireWorld(Optional<String> name, Rights rights) throws Ending {
+        List<ServedWorld> open = meant(Optional.empty()).stream()
+                .filter(world -> rights.opensWorld(world.name())).toList();
+        List<ServedWorld> meant = name.isPresent() || open.isEmpty() ? meant(name) : open;
         if (meant.size() == 1) {
             return meant.getFirst();
         }
-        List<ServedWorld> open = meant(Optional.empty());
         throw Ending.refused("no-such-world", name.map(unknown -> "this server has no world " + Text.quote(unknown))
                 .orElse("this server has " + open.size() + " worlds"), "say hello with \"world\": "
                 + open.stream().map(world -> Text.quote(world.name())).collect(Collectors.joining(" or ")));

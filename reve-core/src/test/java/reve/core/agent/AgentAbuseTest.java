@@ -41,6 +41,7 @@ class AgentAbuseTest {
     private static final int AT_ONCE = 400;
     private static final int ROUND_TRIPS = 200;
     private static final int GOOD = 4;
+    private static final int STONES = 200;
 
     private static final Duration HELLO = Duration.ofSeconds(2);
     private static final Duration SOON = Duration.ofMillis(500);
@@ -208,7 +209,7 @@ class AgentAbuseTest {
         AgentServerConfig config = AgentRoom.config(HELLO, SOON, LATER, SOON);
         try (AgentRoom room = new AgentRoom(config);
                 ExecutorService threads = Executors.newVirtualThreadPerTaskExecutor()) {
-            for (int i = 0; i < 200; i++) {
+            for (int i = 0; i < STONES; i++) {
                 room.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
             }
             goodAgents(room, "warm");
@@ -250,7 +251,7 @@ class AgentAbuseTest {
             System.out.println(counts);
             assertThat(endings).hasSize(CLIENTS * Kind.values().length);
             assertThat(counts.keySet()).noneMatch(ending -> ending.contains("no bye"));
-            assertThat(room.world.table("body").rowCount()).as("bodies that are left").isEqualTo(1);
+            assertThat(room.world.table("body").rowCount()).as("bodies that are left").isEqualTo(STONES + 1);
             assertThat(openFiles() - files).as("more open files").isLessThanOrEqualTo(MAX_MORE_FILES);
             assertThat(usedHeap() - heap).as("more memory").isLessThan(MAX_HEAP_GROWTH);
         }
