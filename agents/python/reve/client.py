@@ -15,6 +15,7 @@ from typing import (
     Iterator,
     List,
     Optional,
+    Set,
     Tuple,
     Type,
     TypeVar,
@@ -115,6 +116,7 @@ class Agent:
         self._encoding = str(greeting.get("encoding", protocol.JSON))
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = 0
+        self._ahead: Set[int] = set()  # ids of questions about frames that are not made yet
         self._seen_after: List[int] = []  # frames of the events that came after the last one seen whole
         self._known_already = 0
         self._end: Optional[ReveError] = None
@@ -382,7 +384,7 @@ class Agent:
         self._latest = self._known
 
     def _answer(self, message: Union[Perception, Result, Pong, Error]) -> None:
-        if isinstance(message, Perception):
+        if isinstance(message, Perception) and message.id not in self._ahead:
             self._has_seen(message.frame)
         if message.id is not None and message.id in self._waiting:
             self._waiting[message.id] = message
@@ -424,6 +426,27 @@ class Control(Agent):
         The result names the frame that shows the world as it was. Streams of perceptions begin anew with it.
         """
         return self._command("rewind", **({} if image is None else {"image": image}))
+
+    def save(self, file: str) -> Result:
+        """Saves the world as it is as a world file of that name, in the folder that the server was given."""
+        return self._command("save", file=file)
+
+    def foresee(self, frames: int) -> Perception:
+        """What would be perceived that many frames from now, if nobody did anything.
+
+        ReveError with the server's code if it refuses to look so far ahead.
+        """
+
+        def fork(number: int) -> Message:
+            self._ahead.add(number)
+            return protocol.command(number, "fork", frames=frames)
+
+        answer = self._ask(fork, object)
+        if isinstance(answer, Perception):
+            return answer
+        if isinstance(answer, Result):
+            raise ReveError(answer.code or "refused", answer.reason or "the server does not look ahead")
+        raise ProtocolError(f"expected a perception, got {answer}")
 
     def edit(self, item: Union[str, Item], property: str, value: Argument) -> Result:
         """Sets a property such as `physics.velocity` or `semantic.class`, in its own unit."""

@@ -1,48 +1,39 @@
 import java.io.IOException;
 import java.nio.file.Path;
 import java.util.List;
-import reve.core.agent.AgentServer;
+import java.util.Optional;
 import reve.core.agent.AgentServerConfig;
-import reve.core.agent.WorldControl;
-import reve.core.agent.WorldPort;
-import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
-import reve.core.frame.CommandQueue;
-import reve.core.frame.FrameBus;
-import reve.core.frame.FrameLoop;
-import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
-import reve.core.world.OffHeapArena;
-import reve.core.world.SnapshotRing;
-import reve.core.world.World;
+import reve.worlds.journal.SqliteStore;
+import reve.worlds.server.Persistence;
+import reve.worlds.server.Pictures;
+import reve.worlds.server.WorldPlan;
+import reve.worlds.server.WorldServer;
 
 /**
- * Serves a world file, without physics, on an ephemeral port, for the tests beside it: prints the port, then makes
- * frames until its standard input ends. Run as a source file.
+ * Serves a world file on an ephemeral port, for the tests beside it: prints the port, then makes frames until its
+ * standard input ends. Run as a source file.
  */
 final class PondServer {
 
     public static void main(String[] arguments) throws Exception {
-        WorldDescription description = WorldFile.load(Path.of(arguments[0]));
-        World world = description.build(new OffHeapArena());
-        var bus = new FrameBus();
-        var commands = new CommandQueue(1024);
-        commands.subscribeTo(bus);
-        var snapshots = new SnapshotRing(world, 3);
-        bus.subscribe(FramePhase.PUBLISH, "snapshots",
-                event -> snapshots.publish(event.frame(), event.timeSeconds()));
-        var loop = new FrameLoop(world, bus, description.timing(), Pacing.REAL_TIME);
-        var port = new WorldPort(world.name(), description.timing().framesPerSecond(), description.agents(), bus,
-                commands, snapshots, loop, WorldControl.none());
-        try (AgentServer server = AgentServer.start(AgentServerConfig.onPort(0), List.of(port))) {
-            System.out.println(server.address().getPort());
+        Path file = Path.of(arguments[0]);
+        System.setProperty("reve.native.path", Path.of(System.getenv("REVE_ROOT"), "build", "native").toString());
+        var plan = new WorldPlan(WorldFile.load(file), Long.MAX_VALUE,
+                new Persistence(file.getParent(), Optional.empty(), Optional.empty(), Optional.empty(), 10,
+                        SqliteStore.Durability.NORMAL),
+                new Pictures(file.getParent(), List.of()));
+        try (var server = new WorldServer(List.of(plan), Pacing.REAL_TIME, AgentServerConfig.onPort(0),
+                Optional.empty(), (event, fields) -> { })) {
+            System.out.println(server.port());
             Thread.ofVirtual().start(() -> {
                 while (readByte() >= 0) {
                     // Nothing is expected but the end.
                 }
-                loop.stop();
+                server.stop();
             });
-            loop.run();
+            server.run();
         }
     }
 

@@ -31,7 +31,7 @@ def java(program: str, *arguments: str) -> List[str]:
             "these tests start Java programs: set REVE_TEST_CLASSPATH to their class path and "
             "REVE_JAVA_HOME to a JDK 25, or run `./reve test`, which does"
         )
-    return [f"{java_home}/bin/java", "-cp", class_path, program, *arguments]
+    return [f"{java_home}/bin/java", "--enable-native-access=ALL-UNNAMED", "-cp", class_path, program, *arguments]
 
 
 @contextlib.contextmanager

@@ -196,8 +196,32 @@ class AgentTest(unittest.TestCase):
             boss.run()
             self.assertTrue(boss.edit("duck", "semantic.class", "bird"))
             self.assertEqual(boss.perceive().find("duck").symbols["class"], "bird")
-            self.assertEqual(boss.load_law("drag", scale=2.0).code, "unsupported")
+            self.assertEqual(boss.load_law("drag", unknown=2.0).code, "law-refused")
+            self.assertTrue(boss.load_law("newton_motion"))
+            self.assertTrue(boss.unload_law("newton_motion"))
             self.assertTrue(boss.shut_down())
+
+    def test_control_goes_back_and_looks_ahead(self):
+        with pond() as port, reve.control("127.0.0.1", port) as boss:
+            self.assertTrue(boss.edit("duck", "physics.velocity", [0, 3, 0]))
+            self.assertTrue(boss.load_law("newton_motion"))
+            stream = boss.perceptions()
+            next(stream)
+            boss.pause()
+            self.assertTrue(boss.snapshot("rising"))
+            first = boss.rewind("rising").frame
+            start = next(seen for seen in stream if seen.frame == first)
+            ahead = boss.foresee(24)
+            last = boss.step(24).frame
+            lived = next(seen for seen in stream if seen.frame == last)
+            self.assertEqual((ahead.time, ahead.items), (lived.time, lived.items))
+            self.assertGreater(lived.find("duck").location[1], start.find("duck").location[1])
+            again = boss.rewind("rising").frame
+            self.assertEqual(next(seen for seen in stream if seen.frame == again).items, start.items)
+            begin = boss.rewind().frame
+            self.assertEqual(next(seen for seen in stream if seen.frame == begin).time, 0.0)
+            self.assertEqual(boss.rewind("falling").code, "no-such-image")
+            self.assertEqual(boss.save("elsewhere").code, "unsupported")
 
     def test_an_agent_whose_connection_breaks_goes_on_as_if_nothing_had_happened(self):
         with self.join("pam", grace=20.0) as pam, self.join("quy") as quy:

@@ -1,6 +1,7 @@
 package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.within;
 
 import java.nio.file.Files;
@@ -16,6 +17,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.ActResult;
 import reve.agent.AgentClient;
+import reve.agent.AgentException;
 import reve.agent.Join;
 import reve.agent.Perception;
 import reve.core.agent.AgentServerConfig;
@@ -156,6 +158,61 @@ class ControlIT {
         assertThat(events).extracting(Event::type).doesNotContain("fault");
     }
 
+    @Test
+    void whatIsForeseenHappensIfNobodyInterferesAndTheWorldDoesNotNotice() throws Exception {
+        serve(boss -> {
+            accepted(boss, "pause", Map.of());
+            long start = accepted(boss, "rewind", Map.of());
+            Perception foreseen = boss.foresee(2 * RATE);
+            assertThat(foreseen.frame()).isEqualTo(start + 2 * RATE);
+            assertThat(accepted(boss, "pause", Map.of())).isEqualTo(start);
+            Perception lived = after(boss, 2 * RATE);
+            assertThat(foreseen.items()).isEqualTo(lived.items());
+            assertThat(foreseen.time()).isEqualTo(lived.time());
+        });
+    }
+
+    @Test
+    void aForkIsLookedAtWhileTheWorldGoesOn() throws Exception {
+        serve(boss -> {
+            long before = boss.nextPerception().frame();
+            assertThat(boss.foresee(10 * RATE).frame()).isGreaterThanOrEqualTo(before + 10 * RATE);
+            assertThat(boss.nextPerception().frame()).isLessThan(before + 10 * RATE);
+            assertThatExceptionOfType(AgentException.class).isThrownBy(() -> boss.foresee(1_000_001));
+        });
+    }
+
+    @Test
+    void aSavedWorldGoesOnAsThisOneAndHasNoBodiesThatWereMadeForAgents() throws Exception {
+        serve(boss -> {
+            try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
+                assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3))).accepted()).isTrue();
+                accepted(boss, "pause", Map.of());
+                accepted(boss, "save", Map.of("file", "later"));
+                Perception lived = after(boss, RATE);
+                WorldDescription saved = WorldFile.load(folder.resolve("later.yaml"));
+                assertThat(saved.items()).noneMatch(item -> item.name().equals("ada"));
+                try (Simulation again = new Simulation(saved, Pacing.FAST)) {
+                    again.loop().run(RATE);
+                    double[] at = again.world().find("blue").orElseThrow().physical().location();
+                    var location = lived.find("blue").orElseThrow().location().orElseThrow();
+                    assertThat(at).containsExactly(location.x(), location.y(), location.z());
+                }
+            }
+        });
+        assertThat(events).extracting(Event::type).contains("saved");
+    }
+
+    @Test
+    void nothingIsSavedOutsideTheFolder() throws Exception {
+        serve(boss -> {
+            for (String name : List.of("../x", "/tmp/x", "a/b", ".hidden", "x.yaml")) {
+                assertThat(boss.command("save", Map.of("file", name)).code()).contains("save-refused");
+            }
+        });
+        assertThat(folder).isEmptyDirectory();
+    }
+
     /** Goes to and fro, with an agent that comes after what is gone back to. */
     private void wander(AgentClient boss) throws Exception {
         after(boss, 7);
@@ -183,7 +240,7 @@ class ControlIT {
     /** Serves the world on this thread while an operator works on another. */
     private RunReport serve(Script script) throws Exception {
         WorldPlan plan = new WorldPlan(description, Long.MAX_VALUE, new Persistence(WORLD, recording,
-                store, 10, SqliteStore.Durability.NORMAL), new Pictures(folder, List.of()));
+                store, Optional.of(folder), 10, SqliteStore.Durability.NORMAL), new Pictures(folder, List.of()));
         try (WorldServer server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
                 AgentServerConfig.onPort(0), Optional.empty(),
                 (type, fields) -> note(new Event(type, fields)))) {

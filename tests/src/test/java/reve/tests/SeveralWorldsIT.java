@@ -129,7 +129,7 @@ class SeveralWorldsIT {
 
     private WorldServer server(Pacing pacing, long frames, List<WorldDescription> worlds) throws Exception {
         List<WorldPlan> plans = worlds.stream().map(world -> new WorldPlan(world, frames,
-                new Persistence(folder, Optional.empty(), Optional.empty(), 10, SqliteStore.Durability.NORMAL),
+                new Persistence(folder, Optional.empty(), Optional.empty(), Optional.empty(), 10, SqliteStore.Durability.NORMAL),
                 new Pictures(folder, List.of()))).toList();
         return new WorldServer(plans, pacing, AgentServerConfig.onPort(0), Optional.empty(), this::note);
     }

@@ -182,13 +182,29 @@ public final class AgentClient implements AutoCloseable {
 
     /**
      * Has a command of the role control done and waits for the outcome: pause, step, run, snapshot, rewind, edit,
-     * load-law, unload-law, picture or shut-down, with the fields that the protocol's page lists.
+     * load-law, unload-law, picture, save or shut-down, with the fields that the protocol's page lists.
      *
      * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map of Numbers
      */
     public ActResult command(String type, Map<String, ?> fields) {
         long id = nextId();
         return ask(id, Protocol.command(id, type, fields), ActResult.class);
+    }
+
+    /**
+     * What would be perceived that many frames from now, if nobody did anything; for the role control.
+     *
+     * @throws AgentException with the server's code if it refuses to look so far ahead
+     */
+    public Perception foresee(int frames) {
+        long id = nextId();
+        ServerMessage answer = ask(id, Protocol.command(id, "fork", Map.of("frames", frames)), ServerMessage.class);
+        return switch (answer) {
+            case Perception perception -> perception;
+            case ActResult refused -> throw new AgentException(refused.code().orElse("refused"),
+                    refused.reason().orElse("the server does not look ahead"), Optional.empty());
+            default -> throw unexpected(answer);
+        };
     }
 
     /** Returns when the server has answered. */

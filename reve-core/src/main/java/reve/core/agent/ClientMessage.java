@@ -27,6 +27,8 @@ sealed interface ClientMessage {
             case Picture picture -> "picture";
             case Snapshot snapshot -> "snapshot";
             case Rewind rewind -> "rewind";
+            case Save save -> "save";
+            case Fork fork -> "fork";
             case ShutDown shutDown -> "shut-down";
             case Ping ping -> "ping";
             case Pong pong -> "pong";
@@ -126,6 +128,12 @@ sealed interface ClientMessage {
 
     /** @param image the name under which the world was kept; without, its beginning */
     record Rewind(long id, Optional<String> image) implements Control {}
+
+    /** @param file name of the world file */
+    record Save(long id, String file) implements Control {}
+
+    /** @param frames that a copy of the world is to make */
+    record Fork(long id, int frames) implements Control {}
 
     record ShutDown(long id) implements Control {}
 }

@@ -15,6 +15,7 @@ final class ControlDesk {
     private final Publisher publisher;
     private final Members members;
     private final Images images;
+    private final Studies studies;
     private final RateLimitedLog log;
     private final AtomicLong sequence = new AtomicLong();
 
@@ -23,6 +24,7 @@ final class ControlDesk {
         this.publisher = publisher;
         this.members = new Members(port.agents());
         this.images = new Images(port, members);
+        this.studies = new Studies(port, members, log);
         this.log = log;
     }
 
@@ -54,6 +56,8 @@ final class ControlDesk {
             case ClientMessage.Step step -> between(session, step, () -> port.loop().resume(step.frames()));
             case ClientMessage.Snapshot snapshot -> between(session, snapshot, () -> images.keep(snapshot.image()));
             case ClientMessage.Rewind rewind -> rewind(session, rewind);
+            case ClientMessage.Save save -> studies.save(session, save);
+            case ClientMessage.Fork fork -> studies.fork(session, fork);
             case ClientMessage.ShutDown shutDown -> {
                 accept(session, shutDown, port.loop().frame());
                 port.loop().stop();

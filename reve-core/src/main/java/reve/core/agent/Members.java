@@ -96,6 +96,11 @@ public final class Members {
         return ids;
     }
 
+    /** The bodies that were made for agents. */
+    List<ItemId> made() {
+        return bodies.values().stream().filter(Body::made).map(Body::id).sorted().toList();
+    }
+
     /**
      * The world has become one that it was. Who is in it now stays: with the body lent to it; or with the one that
      * was made for it, as it was then, or made anew if there was none. Bodies of others who were there then go.

@@ -127,6 +127,8 @@ final class MessageReader {
             case "picture" -> new ClientMessage.Picture(fields.required());
             case "snapshot" -> new ClientMessage.Snapshot(fields.required(), fields.image());
             case "rewind" -> new ClientMessage.Rewind(fields.required(), fields.optionalText("image"));
+            case "save" -> new ClientMessage.Save(fields.required(), fields.text("file"));
+            case "fork" -> new ClientMessage.Fork(fields.required(), (int) fields.integer("frames", 0, MAX_EVERY));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
@@ -134,7 +136,7 @@ final class MessageReader {
             default -> throw new BadMessage(fields.id, "unknown-type",
                     "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
                     "a client sends hello, perceive, act, ready, ping, pong or bye; in the role control also pause, run, "
-                            + "step, load-law, unload-law, edit, picture, snapshot, rewind or shut-down");
+                            + "step, load-law, unload-law, edit, picture, snapshot, rewind, save, fork or shut-down");
         };
     }
 

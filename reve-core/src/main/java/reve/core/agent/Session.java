@@ -280,6 +280,27 @@ final class Session {
         send(new ServerMessage.Refused(request.id(), code, reason));
     }
 
+    /**
+     * A question has its answer, which nobody remembers; it may be asked again.
+     *
+     * @return false if it is more than a client is told at once
+     */
+    boolean answer(ClientMessage.Request request, byte[] line) {
+        if (line.length > server.config().outboxBytes() / 2) {
+            return false;
+        }
+        boolean room;
+        synchronized (this) {
+            inFlight--;
+            commands.cancel(request.id());
+            room = offer(line);
+        }
+        if (!room) {
+            end(Ending.cut("too-slow", "too many answers wait to be read"));
+        }
+        return true;
+    }
+
     private boolean begin(ClientMessage.Request request) {
         CommandLog.Known known;
         boolean tooMany;

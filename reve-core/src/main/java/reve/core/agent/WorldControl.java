@@ -1,8 +1,12 @@
 package reve.core.agent;
 
+import java.util.Collection;
 import java.util.Map;
+import java.util.function.Consumer;
 import reve.core.world.ActionRefused;
+import reve.core.world.ItemId;
 import reve.core.world.World;
+import reve.core.world.WorldSnapshot;
 
 /**
  * What the program that runs a world lets clients of the role control do, beside what every frame loop can. Unless
@@ -43,6 +47,22 @@ public interface WorldControl {
          * @return the next frame, which shows it so
          */
         long rewind();
+
+        /**
+         * Writes it as a world file, where the program keeps them. Any thread.
+         *
+         * @param file bare name, without a folder
+         * @param without items to leave out, with all that is attached to them
+         */
+        void save(String file, Collection<ItemId> without) throws ActionRefused;
+
+        /**
+         * Lets a copy run ahead, which nobody else acts on; the world itself does not notice. Any thread.
+         *
+         * @param frames to make
+         * @param look sees the last of them
+         */
+        void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused;
 
         @Override
         void close();

@@ -194,6 +194,8 @@ class MessagesTest {
                     .set("value", JSON.valueToTree(edit.value()));
             case ClientMessage.Snapshot snapshot -> json.put("image", snapshot.image());
             case ClientMessage.Rewind rewind -> rewind.image().ifPresent(image -> json.put("image", image));
+            case ClientMessage.Save save -> json.put("file", save.file());
+            case ClientMessage.Fork fork -> json.put("frames", fork.frames());
             case ClientMessage.Pause pause -> { }
             case ClientMessage.Run run -> { }
             case ClientMessage.Picture picture -> { }

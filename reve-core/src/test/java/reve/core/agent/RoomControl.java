@@ -1,10 +1,14 @@
 package reve.core.agent;
 
+import java.util.Collection;
 import java.util.Map;
+import java.util.function.Consumer;
 import reve.core.frame.FrameLoop;
 import reve.core.world.ActionRefused;
+import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldImage;
+import reve.core.world.WorldSnapshot;
 
 /** Keeps images of a world without physics, and can do nothing else. */
 record RoomControl(World world, FrameLoop loop, Image beginning) implements WorldControl {
@@ -46,6 +50,16 @@ record RoomControl(World world, FrameLoop loop, Image beginning) implements Worl
             loop.continueAfter(frame);
             world.restore(image);
             return frame;
+        }
+
+        @Override
+        public void save(String file, Collection<ItemId> without) throws ActionRefused {
+            throw new ActionRefused("unsupported", "nothing is saved here");
+        }
+
+        @Override
+        public void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused {
+            throw new ActionRefused("unsupported", "nothing is foreseen here");
         }
 
         @Override

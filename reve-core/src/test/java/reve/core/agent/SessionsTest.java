@@ -77,6 +77,8 @@ class SessionsTest {
         "agent | {'t':'picture','id':1} | control",
         "agent | {'t':'snapshot','id':1,'image':'x'} | control",
         "agent | {'t':'rewind','id':1} | control",
+        "agent | {'t':'save','id':1,'file':'x'} | control",
+        "agent | {'t':'fork','id':1,'frames':1} | control",
         "agent | {'t':'shut-down','id':1} | control",
     })
     void aRoleMaySayOnlyWhatIsItsOwn(String role, String message, String needed) throws IOException {

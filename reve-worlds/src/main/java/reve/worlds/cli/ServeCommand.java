@@ -75,6 +75,10 @@ public final class ServeCommand implements Callable<Integer> {
                     + "each has WORLD.log.")
     private Optional<Path> record = Optional.empty();
 
+    @Option(names = "--saves", paramLabel = "DIR",
+            description = "Folder for world files that clients of the role control save.")
+    private Optional<Path> saves = Optional.empty();
+
     @Option(names = "--audit", paramLabel = "FILE",
             description = "Append what each client is told, and when, as one JSON object per message.")
     private Optional<Path> audit = Optional.empty();
@@ -109,6 +113,9 @@ public final class ServeCommand implements Callable<Integer> {
         if (!snapshotAt.isEmpty()) {
             Files.createDirectories(snapshots);
         }
+        if (saves.isPresent()) {
+            Files.createDirectories(saves.get());
+        }
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
@@ -129,7 +136,7 @@ public final class ServeCommand implements Callable<Integer> {
         return new WorldPlan(description,
                 Frames.of(spec, "--seconds", seconds, description.timing()),
                 new Persistence(folder, fileOf(record, description.name() + ".log"),
-                        fileOf(store, description.name() + ".db"), storeEvery, durability),
+                        fileOf(store, description.name() + ".db"), saves, storeEvery, durability),
                 new Pictures(snapshots, pictureFrames));
     }
 

@@ -49,7 +49,8 @@ final class HostedWorld implements AutoCloseable {
             closing.add(plan.pictures());
             laws = lawsFolder.map(folder -> closing.add(new LawFolder(folder, simulation.engine(),
                     simulation.physics().laws(), simulation.commands()))).orElse(null);
-            control = closing.add(new ServerControl(simulation, plan.pictures()));
+            control = closing.add(new ServerControl(simulation, plan.pictures(),
+                    plan.persistence().saves(), events));
             plan.pictures().subscribeTo(simulation, events);
             simulation.onPublish("server events", this::tellEvents);
             keepJournals(pacing == Pacing.FAST);

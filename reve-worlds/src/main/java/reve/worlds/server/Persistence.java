@@ -10,8 +10,9 @@ import reve.worlds.journal.SqliteStore;
  * @param folder of the world file
  * @param recording file to record the run in
  * @param store file that the world lives in
+ * @param saves folder for world files that are saved while the world runs
  * @param imageSeconds an image goes to the store every so much world time [s]
  * @param durability of the store
  */
-public record Persistence(Path folder, Optional<Path> recording, Optional<Path> store,
+public record Persistence(Path folder, Optional<Path> recording, Optional<Path> store, Optional<Path> saves,
                           double imageSeconds, SqliteStore.Durability durability) {}

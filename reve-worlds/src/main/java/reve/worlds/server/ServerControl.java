@@ -1,28 +1,49 @@
 package reve.worlds.server;
 
+import java.io.IOException;
+import java.nio.file.Path;
+import java.util.Collection;
+import java.util.LinkedHashMap;
 import java.util.Map;
+import java.util.Optional;
+import java.util.function.Consumer;
 import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
 import reve.core.agent.WorldControl;
+import reve.core.file.WorldFile;
 import reve.core.world.ActionRefused;
+import reve.core.world.ItemId;
 import reve.core.world.World;
+import reve.core.world.WorldSnapshot;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.worlds.journal.SimulationImage;
 
-/** What a server lets operators do over the network: laws by name, pictures, going back. */
+/**
+ * What a server lets operators do over the network: laws by name, pictures, going back, saving,
+ * looking ahead.
+ */
 final class ServerControl implements WorldControl, AutoCloseable {
     /** Never a path: who may control the world may not choose which files it runs. */
     private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}");
 
+    /** As little a path. */
+    private static final Pattern FILE = Pattern.compile("[A-Za-z0-9][A-Za-z0-9_-]{0,63}");
+    private static final long FORESEE_NANOSECONDS = 10_000_000_000L;
+
     private final Simulation simulation;
     private final Pictures pictures;
+    private final Optional<Path> saves;
+    private final ServerEvents events;
     private @Nullable SimulationImage beginning;
 
-    ServerControl(Simulation simulation, Pictures pictures) {
+    /** @param saves folder for world files, if any may be written */
+    ServerControl(Simulation simulation, Pictures pictures, Optional<Path> saves, ServerEvents events) {
         this.simulation = simulation;
         this.pictures = pictures;
+        this.saves = saves;
+        this.events = events;
     }
 
     @Override
@@ -89,6 +110,50 @@ final class ServerControl implements WorldControl, AutoCloseable {
         @Override
         public long rewind() {
             return simulation.rewind(image);
+        }
+
+        @Override
+        public void save(String file, Collection<ItemId> without) throws ActionRefused {
+            Path folder = saves.orElseThrow(() -> new ActionRefused("unsupported",
+                    "this server saves no worlds; start it with --saves DIR"));
+            if (!FILE.matcher(file).matches()) {
+                throw new ActionRefused("save-refused", "\"" + file + "\" is no name of a file: "
+                        + "expected letters, digits, _ and - only, without .yaml");
+            }
+            Path target = folder.resolve(file + ".yaml");
+            try (Simulation fork = simulation.fork(image)) {
+                without.forEach(fork.world()::removeCascade);
+                WorldFile.save(target, fork.descriptionNow());
+                Map<String, Object> fields = new LinkedHashMap<>();
+                fields.put("frame", image.frame());
+                fields.put("file", target.toAbsolutePath().normalize().toString());
+                fields.put("without", fork.notDescribed());
+                events.happened("saved", fields);
+            } catch (IOException | IllegalArgumentException | PhysicsException failed) {
+                throw new ActionRefused("save-refused", "the world cannot be saved as " + target + ": "
+                        + failed.getMessage());
+            }
+        }
+
+        @Override
+        public void foresee(int frames, Consumer<WorldSnapshot> look) throws ActionRefused {
+            try (Simulation fork = simulation.fork(image)) {
+                long deadline = System.nanoTime() + FORESEE_NANOSECONDS;
+                fork.loop().run(0);
+                for (int made = 0; made < frames; made++) {
+                    if (System.nanoTime() > deadline) {
+                        throw new ActionRefused("fork-refused", "the copy has made " + made + " of "
+                                + frames + " frames in " + FORESEE_NANOSECONDS / 1_000_000_000
+                                + " s, which is the most it may take");
+                    }
+                    fork.loop().step();
+                }
+                try (WorldSnapshot snapshot = fork.snapshots().acquireLatest().orElseThrow()) {
+                    look.accept(snapshot);
+                }
+            } catch (PhysicsException failed) {
+                throw new ActionRefused("fork-refused", String.valueOf(failed.getMessage()));
+            }
         }
 
         @Override

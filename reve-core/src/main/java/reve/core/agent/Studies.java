@@ -1,0 +1,110 @@
+package reve.core.agent;
+
+import java.nio.ByteBuffer;
+import java.util.List;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.ExecutionException;
+import java.util.concurrent.Semaphore;
+import java.util.concurrent.TimeUnit;
+import java.util.concurrent.TimeoutException;
+import java.util.concurrent.atomic.AtomicReference;
+import reve.core.world.ActionRefused;
+import reve.core.world.ItemId;
+
+/**
+ * What is done with a copy of a world while the world goes on: saving it, and looking ahead. One at a time, on the
+ * thread of whoever asks.
+ */
+final class Studies {
+
+    /** Longest wait for the world to have a moment between frames. */
+    private static final long PATIENCE_SECONDS = 10;
+
+    private final WorldPort port;
+    private final Members members;
+    private final RateLimitedLog log;
+    private final Semaphore copies = new Semaphore(1);
+
+    /** @param made bodies that exist for agents only */
+    private record Now(WorldControl.Image image, long frame, List<ItemId> made) {}
+
+    private interface Study {
+        void run(Now now) throws ActionRefused;
+    }
+
+    Studies(WorldPort port, Members members, RateLimitedLog log) {
+        this.port = port;
+        this.members = members;
+        this.log = log;
+    }
+
+    void save(Session session, ClientMessage.Save save) {
+        study(session, save, now -> {
+            now.image.save(save.file(), now.made);
+            session.finish(save, new ServerMessage.Accepted(save.id(), now.frame), now.frame);
+        });
+    }
+
+    void fork(Session session, ClientMessage.Fork fork) {
+        study(session, fork, now -> {
+            var line = new AtomicReference<byte[]>();
+            now.image.foresee(fork.frames(), snapshot -> {
+                var observatory = new Observatory();
+                observatory.read(snapshot);
+                View.Told told = observatory.everything().whole(session.encoding(), new Bytes());
+                byte[] head = session.encoding().head("perception", fork.id(), told.fields(), told.bytes().length);
+                line.set(ByteBuffer.allocate(head.length + told.bytes().length).put(head).put(told.bytes()).array());
+            });
+            if (!session.answer(fork, line.get())) {
+                throw new ActionRefused("fork-refused", "what would be perceived takes " + line.get().length
+                        + " bytes, which is more than is told at once");
+            }
+        });
+    }
+
+    private void study(Session session, ClientMessage.Request request, Study study) {
+        if (!copies.tryAcquire()) {
+            session.refuse(request, "world-busy", "another copy of the world is at work; try again");
+            return;
+        }
+        try {
+            Now now = copy();
+            try (WorldControl.Image _ = now.image) {
+                study.run(now);
+            }
+        } catch (ActionRefused e) {
+            session.refuse(request, e.code(), e.getMessage());
+        } catch (RuntimeException e) {
+            log.error(request.type() + " failed", e);
+            session.refuse(request, "action-failed", request.type() + " failed; the server's log says why");
+        } finally {
+            copies.release();
+        }
+    }
+
+    private Now copy() throws ActionRefused {
+        var copied = new CompletableFuture<Now>();
+        port.loop().betweenFrames(() -> {
+            try {
+                var now = new Now(port.control().keep(), port.loop().frame(), members.made());
+                if (!copied.complete(now)) {
+                    now.image.close();
+                }
+            } catch (ActionRefused | RuntimeException e) {
+                copied.completeExceptionally(e);
+            }
+        });
+        try {
+            return copied.get(PATIENCE_SECONDS, TimeUnit.SECONDS);
+        } catch (ExecutionException e) {
+            if (e.getCause() instanceof ActionRefused refused) {
+                throw refused;
+            }
+            throw new IllegalStateException("the world could not be copied", e.getCause());
+        } catch (TimeoutException | InterruptedException e) {
+            copied.cancel(false);
+            throw new ActionRefused("world-busy", "the world had no moment between frames within "
+                    + PATIENCE_SECONDS + " s");
+        }
+    }
+}
