@@ -11,7 +11,7 @@ import java.util.TreeMap;
 import reve.core.world.Action;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
-import reve.core.world.ItemSymbols;
+import reve.core.world.Likeness;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
 import reve.core.world.PropertyDescriptor;
@@ -27,6 +27,9 @@ import reve.core.world.WorldPrototype;
  * that are 0, is left out. Immutable, any thread.
  */
 public final class ItemWriter {
+    /** The name of what has none. */
+    private static final String ANYBODY = "item";
+
     private final WorldPrototype prototype;
 
     /** @param prototype of the world that the items belong to */
@@ -44,15 +47,14 @@ public final class ItemWriter {
         return YamlWriter.write(tree(item));
     }
 
-    /** Only what is symbolic: name, kind, shape, material, symbols and actions; throws as above. */
-    public String write(ItemSymbols item) {
-        Map<String, Object> tree = named(item.name(), item.kind());
-        Map<String, Object> physical = shape(item.name(), item.shape());
+    /** What items that are alike share, under the name `item`; throws as above. */
+    public String write(Likeness item) {
+        Map<String, Object> tree = named(ANYBODY, item.kind());
+        Map<String, Object> physical = shape(ANYBODY, item.shape());
         item.material().ifPresent(material -> physical.put("material",
-                material(item.name(), material)));
+                material(ANYBODY, material)));
         putIfAny(tree, "physical", physical);
-        putIfAny(tree, "semantic", symbols(item.given()));
-        putIfAny(tree, "access", actions(item.name(), item.actions()));
+        putIfAny(tree, "access", actions(ANYBODY, item.actions()));
         putCapabilities(tree, item.capabilities());
         putIfAny(tree, "sensors", sensors(item.sensors()));
         return YamlWriter.write(tree);

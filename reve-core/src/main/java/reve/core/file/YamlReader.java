@@ -35,6 +35,8 @@ final class YamlReader {
     static final int MAX_DEPTH = 32;
     /** Most values, counting mappings and lists, in a file and those that it includes. */
     static final int MAX_VALUES = 2_000_000;
+    /** Most of them outside of {@code items}: nobody needs more, and refusing them is quick. */
+    static final int MAX_OTHER_VALUES = 500_000;
     /** Most keys of one mapping. */
     static final int MAX_KEYS = 65_536;
     /** Longest text of a key or a value [characters]. */
@@ -49,6 +51,8 @@ final class YamlReader {
     /** A key whose value comes next. */
     private Node.@Nullable Slot waiting;
     private int documents;
+    private boolean inItems;
+    private int others;
 
     private YamlReader(Problems problems, Allowance values) {
         this.problems = problems;
@@ -219,6 +223,13 @@ final class YamlReader {
         Mark mark = event.getStartMark().orElseThrow();
         int line = mark.getLine() + 1;
         int column = mark.getColumn() + 1;
+        if (open.size() == 1 && waiting != null) {
+            inItems = waiting.key().equals("items");
+        }
+        if (!inItems && ++others > MAX_OTHER_VALUES) {
+            throw problems.fatal(line, column, "more than " + MAX_OTHER_VALUES
+                    + " values outside of `items`");
+        }
         if (!values.take(1)) {
             throw problems.fatal(line, column, "more than " + MAX_VALUES + " values in all");
         }

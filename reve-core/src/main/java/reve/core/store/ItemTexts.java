@@ -11,6 +11,7 @@ import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
+import reve.core.world.Likeness;
 import reve.core.world.Material;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
@@ -25,7 +26,7 @@ final class ItemTexts {
     private final WorldPrototype prototype;
     private final Assets assets;
     private final ItemWriter writer;
-    private final Map<ItemSymbols, String> texts = new HashMap<>();
+    private final Map<Likeness, String> texts = new HashMap<>();
 
     ItemTexts(WorldPrototype prototype, Assets assets) {
         this.prototype = prototype;
@@ -35,7 +36,7 @@ final class ItemTexts {
 
     /** All but id, name, symbols and attachment; the same text for items that are alike in the rest. */
     String write(ItemSymbols item) {
-        ItemSymbols likeness = item.likeness();
+        Likeness likeness = item.likeness();
         String known = texts.get(likeness);
         if (known == null) {
             known = item.kind().equals(WorldPrototype.WORLD)

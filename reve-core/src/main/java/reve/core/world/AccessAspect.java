@@ -51,7 +51,8 @@ public final class AccessAspect {
         } else {
             changed.remove(from);
         }
-        item.world().setSymbols(item, item.symbols().with(List.copyOf(changed)));
+        item.world().setSymbols(item, item.symbols().with(
+                item.symbols().likeness().with(List.copyOf(changed))));
         item.world().note(
                 new WorldChange.Edited(item.id(), WorldChange.Aspect.ACCESS, name, from, to));
     }

@@ -35,7 +35,7 @@ final class ItemIndex<K> {
     /** Makes room for that many more. */
     void makeRoom(int more) {
         int wanted = slots.length;
-        while (4L * (size + more) > 3L * wanted) {
+        while (5L * (size + more) > 4L * wanted) {
             wanted = Math.multiplyExact(wanted, 2);
         }
         if (wanted > slots.length) {

@@ -12,21 +12,13 @@ import org.pcollections.TreePMap;
 /**
  * What is symbolic about an item. Immutable, so that snapshots share it; a change makes a new one.
  *
- * @param material of the whole shape; without it, a mesh shows its own
  * @param given the designer's symbols by name, in alphabetical order: String, Double, Boolean or a
  *     List of such
  * @param derived the symbols that rules give the item, in the same way
- * @param actions what can be done with the item
- * @param capabilities what the item can do with others
- * @param sensors what an agent that has the item as its body perceives with; none for everything
  * @param attachment what the item moves with, null for nothing
  */
-public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
-        Optional<Material> material, PMap<String, Object> given, PMap<String, Object> derived,
-        List<Action> actions, List<String> capabilities, List<Sensor> sensors,
-        @Nullable Attachment attachment) {
-
-    private static final ItemId NOBODY = new ItemId(1);
+public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String, Object> given,
+        PMap<String, Object> derived, @Nullable Attachment attachment) {
 
     private static final PMap<String, Object> NO_SYMBOLS = TreePMap.empty();
 
@@ -42,17 +34,48 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
 
     /** What is symbolic in a definition; attached to nothing, whatever it says. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {
-        this(id, definition.name(), definition.kind(), definition.shape(),
-                definition.material(), definition.symbols(), NO_SYMBOLS,
-                definition.actions(), definition.capabilities(), definition.sensors(), null);
+        this(id, definition, Likeness.of(definition));
+    }
+
+    /** As the other one, sharing a likeness that is equal to the definition's. */
+    ItemSymbols(ItemId id, ItemDefinition definition, Likeness likeness) {
+        this(id, definition.name(), likeness, definition.symbols(), NO_SYMBOLS, null);
+    }
+
+    public String kind() {
+        return likeness.kind();
+    }
+
+    public Shape shape() {
+        return likeness.shape();
+    }
+
+    /** Of the whole shape; without it, a mesh shows its own. */
+    public Optional<Material> material() {
+        return likeness.material();
+    }
+
+    /** What can be done with the item. */
+    public List<Action> actions() {
+        return likeness.actions();
+    }
+
+    /** What the item can do with others. */
+    public List<String> capabilities() {
+        return likeness.capabilities();
+    }
+
+    /** What an agent that has the item as its body perceives with; none for everything. */
+    public List<Sensor> sensors() {
+        return likeness.sensors();
     }
 
     /** A designer's symbol, or a standard one: see {@link #symbols()}. */
     public Optional<Object> get(String symbol) {
         return switch (symbol) {
             case NAME -> Optional.of(name);
-            case DIMENSIONS -> shape == Shape.none() ? Optional.empty() : Optional.of(dimensions());
-            case CLASS -> Optional.of(given.getOrDefault(CLASS, kind));
+            case DIMENSIONS -> shape() == Shape.none() ? Optional.empty() : Optional.of(dimensions());
+            case CLASS -> Optional.of(given.getOrDefault(CLASS, kind()));
             default -> Optional.ofNullable(given.getOrDefault(symbol, derived.get(symbol)));
         };
     }
@@ -66,8 +89,8 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     public Map<String, Object> symbols() {
         var all = new LinkedHashMap<String, Object>();
         all.put(NAME, name);
-        all.put(CLASS, kind);
-        if (shape != Shape.none()) {
+        all.put(CLASS, kind());
+        if (shape() != Shape.none()) {
             all.put(DIMENSIONS, dimensions());
         }
         all.putAll(given);
@@ -89,14 +112,7 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     }
 
     ItemSymbols withDerived(PMap<String, Object> newDerived) {
-        return new ItemSymbols(id, name, kind, shape, material, given, newDerived, actions,
-                capabilities, sensors, attachment);
-    }
-
-    /** All but id, name, symbols and attachment: equal for items that are alike in the rest. */
-    public ItemSymbols likeness() {
-        return new ItemSymbols(NOBODY, "item", kind, shape, material, TreePMap.empty(),
-                TreePMap.empty(), actions, capabilities, sensors, null);
+        return new ItemSymbols(id, name, likeness, given, newDerived, attachment);
     }
 
     /** The same with other symbols of the designer's, which are not checked. */
@@ -105,38 +121,24 @@ public record ItemSymbols(ItemId id, String name, String kind, Shape shape,
     }
 
     ItemSymbols renamed(String newName) {
-        return new ItemSymbols(id, newName, kind, shape, material, given, derived, actions,
-                capabilities, sensors, attachment);
+        return new ItemSymbols(id, newName, likeness, given, derived, attachment);
     }
 
-    ItemSymbols with(Shape newShape) {
-        return new ItemSymbols(id, name, kind, newShape, material, given, derived, actions,
-                capabilities, sensors, attachment);
-    }
-
-    ItemSymbols with(List<Action> newActions) {
-        return new ItemSymbols(id, name, kind, shape, material, given, derived, newActions,
-                capabilities, sensors, attachment);
+    ItemSymbols with(Likeness newLikeness) {
+        return new ItemSymbols(id, name, newLikeness, given, derived, attachment);
     }
 
     /** The same with another attachment. */
     public ItemSymbols attached(@Nullable Attachment newAttachment) {
-        return new ItemSymbols(id, name, kind, shape, material, given, derived, actions,
-                capabilities, sensors, newAttachment);
-    }
-
-    ItemSymbols with(Optional<Material> newMaterial) {
-        return new ItemSymbols(id, name, kind, shape, newMaterial, given, derived, actions,
-                capabilities, sensors, attachment);
+        return new ItemSymbols(id, name, likeness, given, derived, newAttachment);
     }
 
     private ItemSymbols with(PMap<String, Object> newGiven) {
-        return new ItemSymbols(id, name, kind, shape, material, newGiven, derived, actions,
-                capabilities, sensors, attachment);
+        return new ItemSymbols(id, name, likeness, newGiven, derived, attachment);
     }
 
     private List<Double> dimensions() {
-        return List.of(shape.size(0), shape.size(1), shape.size(2));
+        return List.of(shape().size(0), shape().size(1), shape().size(2));
     }
 
     private static PMap<String, Object> given(Map<String, Object> symbols) {

@@ -71,7 +71,7 @@ public final class PhysicalAspect {
 
     public void setShape(Shape shape) {
         Shape from = shape();
-        item.world().setSymbols(item, item.symbols().with(shape));
+        item.world().setSymbols(item, item.symbols().with(item.symbols().likeness().with(shape)));
         writeShape(shape);
         note("shape", from, shape);
     }
@@ -85,7 +85,8 @@ public final class PhysicalAspect {
     /** @param material empty for the one that comes with the shape */
     public void setMaterial(Optional<Material> material) {
         Optional<Material> from = material();
-        item.world().setSymbols(item, item.symbols().with(material));
+        item.world().setSymbols(item, item.symbols().with(
+                item.symbols().likeness().with(material)));
         note("material", from.orElse(null), material.orElse(null));
     }
 

@@ -19,11 +19,18 @@ final class Register {
     private final ItemIndex<String> byName = new ItemIndex<>(Item::name);
     private final SymbolIndex bySymbol = new SymbolIndex();
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
+    /** Of the item that came last: the next one is often like it. */
+    private @Nullable Likeness latest;
     private long lastId;
 
-    /** An id that was never given out before. */
-    ItemId nextId() {
-        return new ItemId(++lastId);
+    /** What is symbolic about a new item, under an id that was never given out before. */
+    ItemSymbols symbolsOf(ItemDefinition definition) {
+        Likeness likeness = Likeness.of(definition);
+        if (likeness.equals(latest)) {
+            likeness = latest;
+        }
+        latest = likeness;
+        return new ItemSymbols(new ItemId(++lastId), definition, likeness);
     }
 
     long lastId() {

@@ -621,8 +621,7 @@ public final class World {
 
     private Item insert(ItemDefinition definition, boolean physics) {
         Table table = table(definition.kind());
-        var itemSymbols = new ItemSymbols(register.nextId(), definition);
-        Item item = new Item(table, itemSymbols);
+        Item item = new Item(table, register.symbolsOf(definition));
         table.insert(item, physics);
         if (!item.physical().isEmpty()) {
             item.physical().place(definition);

@@ -55,8 +55,10 @@ class HostileFileTest {
                         "3:14: " + piece),
                 attack("one text of many lines", START + "doc: |\n" + "  xxxxxxx\n".repeat(100_000),
                         "3:6: a text of 800000 characters; at most 65536 are allowed"),
-                attack("too many values", "a: [" + "1,".repeat(3_000_000),
-                        "1:4000001: more than 2000000 values in all"),
+                attack("too many values", "items: [" + "1,".repeat(3_000_000),
+                        "1:4000005: more than 2000000 values in all"),
+                attack("too many values outside of items", "a: [" + "1,".repeat(3_000_000),
+                        "1:1000001: more than 500000 values outside of `items`"),
                 attack("too many keys", keys(1_000_000),
                         "65537:1: a mapping of more than 65536 keys"),
                 attack("open quote", START + "doc: \"" + "x\n".repeat(100_000), "100003:1: not "

@@ -87,7 +87,7 @@ class ItemWriterTest {
     }
 
     @Test
-    void whatIsSymbolicIsWrittenWithoutNumbers() throws WorldFileException {
+    void whatAlikeItemsShareIsWrittenWithoutNumbersAndSymbols() throws WorldFileException {
         try (var arena = new OffHeapArena()) {
             World world = new World("w", DOUBLE, arena);
             Item ball = world.add(WorldFile.parseItem("ball", """
@@ -98,11 +98,12 @@ class ItemWriterTest {
                     physics: {mass: 1}
                     """, DOUBLE));
 
-            String written = new ItemWriter(DOUBLE).write(world.symbols().get(ball.id()));
+            String written = new ItemWriter(DOUBLE).write(
+                    world.symbols().get(ball.id()).likeness());
 
             ItemDefinition read = WorldFile.parseItem("ball", written, DOUBLE);
             assertThat(read.shape()).isEqualTo(Shape.sphere(2));
-            assertThat(read.symbols()).isEqualTo(ball.definition().symbols());
+            assertThat(read.symbols()).isEmpty();
             assertThat(read.actions()).usingRecursiveComparison()
                     .isEqualTo(ball.definition().actions());
             assertThat(read.hasPhysics()).isFalse();
