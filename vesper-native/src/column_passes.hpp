@@ -12,8 +12,8 @@
 
 namespace vesper {
 
-/// Values that a thread takes at once: it needs about as long for them as another to wake up.
-inline constexpr uint64_t kPassGrain = 1 << 17;
+/// Values that a thread takes at once: enough to be worth waking another for.
+inline constexpr uint64_t kPassGrain = 1 << 15;
 
 /// The smallest of what find(begin, end) answers for ranges that cover [0, count).
 template <class Find>
