@@ -7,7 +7,7 @@ import java.util.Arrays;
 /** Bytes that are being written, in memory that grows and is used again. One thread. */
 final class Bytes {
 
-    private ByteBuffer bytes = ByteBuffer.allocate(256);
+    private ByteBuffer bytes = ByteBuffer.allocate(64);
 
     Bytes clear() {
         bytes.clear();

@@ -1,7 +1,6 @@
 package reve.core.agent;
 
 import java.nio.ByteBuffer;
-import java.nio.charset.StandardCharsets;
 import java.util.Arrays;
 import java.util.Optional;
 import java.util.function.Consumer;
@@ -23,9 +22,12 @@ enum Encoding {
         }
 
         @Override
-        byte[] head(String type, long id, int count, int bytes) {
-            String head = "{\"t\":\"" + type + "\"" + (id == ClientMessage.NO_ID ? "" : ",\"id\":" + id) + ",";
-            return head.getBytes(StandardCharsets.US_ASCII);
+        byte[] head(Bytes scratch, String type, long id, int count, int bytes) {
+            scratch.clear().put("{\"t\":\"").put(type).put('"');
+            if (id != ClientMessage.NO_ID) {
+                scratch.put(",\"id\":").put(Long.toString(id));
+            }
+            return scratch.put(',').toArray();
         }
 
         @Override
@@ -46,18 +48,19 @@ enum Encoding {
         }
 
         @Override
-        byte[] head(String type, long id, int count, int bytes) {
+        byte[] head(Bytes scratch, String type, long id, int count, int bytes) {
             boolean answers = id != ClientMessage.NO_ID;
-            byte[] head = value(writer -> {
-                writer.beginMap(count + (answers ? 2 : 1));
-                writer.key("t");
-                writer.text(type);
-                if (answers) {
-                    writer.key("id");
-                    writer.integer(id);
-                }
-            });
-            return ByteBuffer.allocate(LENGTH_BYTES + head.length).putInt(head.length + bytes).put(head).array();
+            MessageWriter writer = writer(scratch.clear().putInt(0));
+            writer.beginMap(count + (answers ? 2 : 1));
+            writer.key("t");
+            writer.text(type);
+            if (answers) {
+                writer.key("id");
+                writer.integer(id);
+            }
+            byte[] head = scratch.toArray();
+            ByteBuffer.wrap(head).putInt(head.length - LENGTH_BYTES + bytes);
+            return head;
         }
 
         @Override
@@ -90,7 +93,7 @@ enum Encoding {
         return out.toArray();
     }
 
-    /** The last fields of a message that begins with a {@link #head}, up to its end. */
+    /** The last fields of a message that begins with a {@link #head}, up to its end. @param scratch to write in */
     byte[] fields(Bytes scratch, Consumer<MessageWriter> content) {
         content.accept(writer(scratch.clear()));
         return fields(scratch);
@@ -101,8 +104,8 @@ enum Encoding {
     /** A whole message as it goes over the wire. */
     abstract byte[] frame(byte[] message);
 
-    /** The beginning of a message, before {@code count} fields in {@code bytes} bytes. */
-    abstract byte[] head(String type, long id, int count, int bytes);
+    /** The beginning of a message, before {@code count} fields in {@code bytes} bytes. @param scratch to write in */
+    abstract byte[] head(Bytes scratch, String type, long id, int count, int bytes);
 
     abstract byte[] fields(Bytes out);
 }

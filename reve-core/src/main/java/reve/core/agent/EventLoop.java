@@ -8,7 +8,6 @@ import java.nio.channels.Selector;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.TimeUnit;
-import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.LockSupport;
 import java.util.concurrent.locks.ReentrantLock;
 import java.util.function.BooleanSupplier;
@@ -52,7 +51,8 @@ final class EventLoop implements LockStep.Waiting {
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
     private final ByteBuffer writeBuffer = ByteBuffer.allocateDirect(WRITE_BUFFER_BYTES);
     private long checkedNanos = System.nanoTime();
-    private final AtomicBoolean woken = new AtomicBoolean();
+    /** Somebody brought work since this turn began. */
+    private volatile boolean woken;
     private volatile boolean selecting;
     /** Another thread works at times; the loop's own looks only whether it still does. */
     private volatile boolean taken;
@@ -94,7 +94,10 @@ final class EventLoop implements LockStep.Waiting {
     /** Makes it look for work. */
     @Override
     public void wake() {
-        woken.set(true);
+        if (duty.isHeldByCurrentThread()) {
+            return; // it looks for work before it waits
+        }
+        woken = true;
         if (selecting) {
             selector.wakeup();
         }
@@ -126,6 +129,7 @@ final class EventLoop implements LockStep.Waiting {
             duty.lock();
         }
         try {
+            woken = false;
             if (!enough.getAsBoolean()) {
                 turn(nanoseconds);
             }
@@ -142,6 +146,7 @@ final class EventLoop implements LockStep.Waiting {
                 continue;
             }
             try {
+                woken = false;
                 turn(checkNanos);
             } finally {
                 duty.unlock();
@@ -176,7 +181,7 @@ final class EventLoop implements LockStep.Waiting {
 
     private void select(long nanoseconds) throws IOException {
         selecting = true; // whoever brings work from here on wakes us
-        if (woken.getAndSet(false) || work.isWaiting() || stopped) {
+        if (woken || !tasks.isEmpty() || work.isWaiting() || stopped) {
             selector.selectNow(EventLoop::handle);
         } else {
             selector.select(EventLoop::handle, TimeUnit.NANOSECONDS.toMillis(nanoseconds) + 1);

@@ -87,8 +87,13 @@ final class MessageReader {
     }
 
     private static void requireSound(String text) throws BadMessage {
-        if (!StandardCharsets.UTF_8.newEncoder().canEncode(text)) {
-            throw badJson("a text contains half of a surrogate pair");
+        for (int i = 0; i < text.length(); i++) {
+            if (Character.isSurrogate(text.charAt(i))) {
+                if (!Character.isSupplementaryCodePoint(text.codePointAt(i))) {
+                    throw badJson("a text contains half of a surrogate pair");
+                }
+                i++;
+            }
         }
     }
 

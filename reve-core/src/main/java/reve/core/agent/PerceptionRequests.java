@@ -89,7 +89,7 @@ final class PerceptionRequests {
                 return false;
             }
             served.increment();
-            outbox.offerAnswer(line(encoding, onceId, telling.whole(view.get(), encoding)));
+            outbox.offerAnswer(line(encoding, onceId, telling.whole(view.get(), encoding), telling));
             once = false;
         }
         if (frame >= notBefore && isEveryDue(frame)) {
@@ -111,12 +111,12 @@ final class PerceptionRequests {
         do {
             base = outbox.told();
             line = line(encoding, everyId,
-                    base == null ? telling.whole(view, encoding) : telling.since(base, view, encoding));
+                    base == null ? telling.whole(view, encoding) : telling.since(base, view, encoding), telling);
         } while (!outbox.offerLatest(line, view, base));
     }
 
-    private static Line line(Encoding encoding, long id, View.Told told) {
-        return new Line(encoding.head("perception", id, told.fields(), told.bytes().length), told.bytes());
+    private static Line line(Encoding encoding, long id, View.Told told, Telling telling) {
+        return new Line(telling.head(encoding, id, told), told.bytes());
     }
 
     private boolean isOnceDue(long frame) {

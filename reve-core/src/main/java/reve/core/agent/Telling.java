@@ -28,6 +28,11 @@ final class Telling {
                 : now.since(before, encoding, scratch);
     }
 
+    /** The beginning of a perception. */
+    byte[] head(Encoding encoding, long id, View.Told told) {
+        return encoding.head(scratch, "perception", id, told.fields(), told.bytes().length);
+    }
+
     /** The whole of the shared view is kept under the view itself, a difference under what it is to. */
     private Map<Encoding, View.Told> of(View view) {
         return since.computeIfAbsent(view, unknown -> new EnumMap<>(Encoding.class));
