@@ -1,0 +1,34 @@
+import java.io.IOException;
+import java.io.InputStream;
+import java.io.OutputStream;
+import java.net.InetSocketAddress;
+import java.net.ServerSocket;
+import java.net.Socket;
+
+/** An echo server with a virtual thread for each connection, which reads and writes blocking. */
+final class ThreadEcho {
+
+    public static void main(String[] arguments) throws IOException {
+        try (var listening = new ServerSocket()) {
+            listening.bind(new InetSocketAddress("127.0.0.1", Integer.parseInt(arguments[0])), 2048);
+            while (true) {
+                Socket client = listening.accept();
+                client.setTcpNoDelay(true);
+                Thread.startVirtualThread(() -> echo(client));
+            }
+        }
+    }
+
+    private static void echo(Socket client) {
+        try (client) {
+            InputStream in = client.getInputStream();
+            OutputStream out = client.getOutputStream();
+            byte[] bytes = new byte[65536];
+            for (int count = in.read(bytes); count > 0; count = in.read(bytes)) {
+                out.write(bytes, 0, count);
+            }
+        } catch (IOException e) {
+            // The client has gone.
+        }
+    }
+}
