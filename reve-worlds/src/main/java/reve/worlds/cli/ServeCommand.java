@@ -67,7 +67,8 @@ public final class ServeCommand implements Callable<Integer> {
     private double storeEvery;
 
     @Option(names = "--durability", paramLabel = "KIND", defaultValue = "normal",
-            description = "What the store survives: normal, the end of the process; full, of power too.")
+            description = "What the store survives: normal, the end of the process; full, of power too,"
+                    + " and the world waits for a slow disk as long as it takes.")
     private SqliteStore.Durability durability = SqliteStore.Durability.NORMAL;
 
     @Option(names = "--record", paramLabel = "FILE",

@@ -35,7 +35,7 @@ public final class Journal implements AutoCloseable {
     private static final long PAUSE_NANOSECONDS = 50_000;
     private static final int SPINS = 2_000;
     /** How long a frame waits for the one before it, where the wall clock paces the world. */
-    private static final long FRAME_PATIENCE_NANOSECONDS = 200_000_000;
+    private static final long FRAME_PATIENCE_NANOSECONDS = 1_000_000_000;
     /** The same if there is a whole image to be written. */
     private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
 
@@ -63,7 +63,7 @@ public final class Journal implements AutoCloseable {
     /**
      * @param imageFrames an image is written every so many frames; 0 for the first one only
      * @param waits whether the world waits for a slow disk however long it takes, as when nothing
-     *     paces it; else the operator is told, and the world goes on
+     *     paces it; else, after a second, the operator is told, and the world goes on
      */
     public record Plan(long imageFrames, boolean waits) {}
 

@@ -17,6 +17,7 @@ import reve.pe.adapter.LawLibrary;
  * that keeps the images and waits for the disk, which both take their time.
  */
 final class JournalWriter {
+    private static final int SPINS = 1_000;
     private static final long SYNC_MILLISECONDS = 100;
     private static final int LAST_IMAGE_TRIES = 3;
     private static final long BETWEEN_TRIES_NANOSECONDS = 200_000_000;
@@ -89,8 +90,18 @@ final class JournalWriter {
                 attempt(sink::close, "; what was written before is there");
                 return;
             } else {
-                LockSupport.park(this);
+                waitForMore();
             }
+        }
+    }
+
+    /** Looks for a while before it sleeps: where nothing paces the world, the next is soon there. */
+    private void waitForMore() {
+        for (int i = 0; i < SPINS && ring.peek() == null; i++) {
+            Thread.onSpinWait();
+        }
+        if (ring.peek() == null) {
+            LockSupport.park(this);
         }
     }
 

@@ -16,6 +16,7 @@ import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawFolder;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.RunLog;
+import reve.worlds.journal.SqliteStore;
 
 /**
  * A world of a server, with what keeps it and what is dropped into it. Whoever calls a method owns
@@ -74,7 +75,9 @@ final class HostedWorld implements AutoCloseable {
             long frames = Math.max(1, Math.round(persistence.imageSeconds()
                     * plan.description().timing().framesPerSecond()));
             closing.add(simulation.journal(persistence.folder(), Map.of(),
-                    new Journal.Plan(frames, waits), stored.get().store(),
+                    new Journal.Plan(frames, waits
+                            || persistence.durability() == SqliteStore.Durability.FULL),
+                    stored.get().store(),
                     problem -> tellProblem("store", problem)));
         }
         if (persistence.recording().isPresent()) {
