@@ -51,8 +51,10 @@ final class Studies {
             now.image.foresee(fork.frames(), snapshot -> {
                 var observatory = new Observatory();
                 observatory.read(snapshot);
-                View.Told told = observatory.everything().whole(session.encoding(), new Bytes());
-                byte[] head = session.encoding().head("perception", fork.id(), told.fields(), told.bytes().length);
+                var scratch = new Bytes();
+                View.Told told = observatory.everything().whole(session.encoding(), scratch);
+                byte[] head = session.encoding().head(scratch, "perception", fork.id(), told.fields(),
+                        told.bytes().length);
                 line.set(ByteBuffer.allocate(head.length + told.bytes().length).put(head).put(told.bytes()).array());
             });
             if (!session.answer(fork, line.get())) {
