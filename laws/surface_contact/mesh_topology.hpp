@@ -19,6 +19,18 @@ struct Patch {
   uint32_t first_face, face_count;     // in MeshTopology::faces
   uint32_t first_corner, corner_count; // in MeshTopology::corners
   uint32_t own_count;                  // of the corners: the first ones; each body is owned once
+  uint32_t first_edge, edge_count;     // in MeshTopology::edges; each edge is owned once
+};
+
+/// Two corners of a surface, which owns the edge.
+struct Edge {
+  std::array<uint32_t, 2> ends;  // places in CornersOf(the patch that the surface belongs to)
+  uint32_t surface, number;      // from the surface's corner `number` to the next
+};
+
+struct Mesh {
+  uint32_t face_count;
+  bool closed;  // it has no border
 };
 
 /** A mesh is what surfaces make that share bodies. An edge is inner if exactly two surfaces share
@@ -31,6 +43,7 @@ class MeshTopology {
   void Build(std::span<const Vertices> surfaces, uint64_t bodies);
 
   std::span<const Patch> patches() const { return patches_; }
+  std::span<const Mesh> meshes() const { return meshes_; }
   /// Rows of surfaces.
   std::span<const uint32_t> FacesOf(const Patch& patch) const {
     return std::span(faces_).subspan(patch.first_face, patch.face_count);
@@ -42,6 +55,9 @@ class MeshTopology {
   /// The corners that this patch answers for.
   std::span<const uint32_t> PointsOf(const Patch& patch) const {
     return std::span(corners_).subspan(patch.first_corner, patch.own_count);
+  }
+  std::span<const Edge> EdgesOf(const Patch& patch) const {
+    return std::span(edges_).subspan(patch.first_edge, patch.edge_count);
   }
   /// The surface behind the edge from corner `edge` to the next, or kNone at a border.
   uint32_t Neighbour(uint32_t surface, uint32_t edge) const { return neighbours_[surface][edge]; }
@@ -57,11 +73,15 @@ class MeshTopology {
   void ListAround(std::span<const Vertices> surfaces);
   void CutIntoPatches(std::span<const Vertices> surfaces);
   void AddPatch(uint32_t mesh, uint32_t first_face, std::span<const Vertices> surfaces);
+  void AddEdges(Patch& patch, std::span<const Vertices> surfaces);
 
   std::vector<Patch> patches_;
+  std::vector<Mesh> meshes_;
   std::vector<uint32_t> faces_;
   std::vector<uint32_t> corners_;
+  std::vector<Edge> edges_;
   std::vector<Vertices> neighbours_;    // (surfaces x 3 edges)
+  std::vector<std::array<bool, 3>> owns_;  // (surfaces x 3 edges)
   std::vector<char> on_border_;         // (bodies)
   std::vector<uint32_t> first_around_;  // (bodies + 1)
   std::vector<uint32_t> around_;

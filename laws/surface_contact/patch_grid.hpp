@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -27,12 +28,26 @@ struct Box {
     return {low - all, high + all};
   }
   bool Contains(Vec3<Real> p) const {
-    return p.x >= low.x && p.x <= high.x && p.y >= low.y && p.y <= high.y && p.z >= low.z &&
-           p.z <= high.z;
+    return (p.x >= low.x) & (p.x <= high.x) & (p.y >= low.y) & (p.y <= high.y) & (p.z >= low.z) &
+           (p.z <= high.z);
   }
   bool Overlaps(const Box& other) const {
     return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
            other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
+  }
+  /// Whether the line from p to q meets the box: no axis, and no direction across an axis and the
+  /// line, may tell them apart (C. Ericson, Real-Time Collision Detection, 2005, section 5.3.3).
+  bool Meets(Vec3<Real> p, Vec3<Real> q) const {
+    const Vec3<Real> line = q - p, middle = p + q - low - high, size = high - low;
+    const Vec3<Real> reach{std::abs(line.x), std::abs(line.y), std::abs(line.z)};
+    if (std::abs(middle.x) > size.x + reach.x || std::abs(middle.y) > size.y + reach.y ||
+        std::abs(middle.z) > size.z + reach.z) {
+      return false;
+    }
+    const Vec3<Real> across = Cross(middle, line);
+    return std::abs(across.x) <= size.y * reach.z + size.z * reach.y &&
+           std::abs(across.y) <= size.x * reach.z + size.z * reach.x &&
+           std::abs(across.z) <= size.x * reach.y + size.y * reach.x;
   }
   Real Size() const { return std::max({high.x - low.x, high.y - low.y, high.z - low.z}); }
   Vec3<Real> Centre() const { return low * Real(0.5) + high * Real(0.5); }

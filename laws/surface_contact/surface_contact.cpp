@@ -3,9 +3,11 @@
 #include <stdexcept>
 #include <string>
 
-#include "closest_point.hpp"
+#include "deepest_point.hpp"
 #include "mesh_topology.hpp"
 #include "patch_grid.hpp"
+#include "responder.hpp"
+#include "skin.hpp"
 #include "vesper/law.hpp"
 
 namespace {
@@ -16,22 +18,41 @@ using namespace vesper::surface_contact;
 // Patches that a thread takes at once.
 constexpr uint64_t kGrain = 32;
 
-/** A point of one mesh inside another. */
+/** A corner of a patch behind a mesh. */
 template <class Real>
-struct Contact {
-  uint32_t point;                 // row of body
-  uint32_t face;                  // row of surface
-  Real depth;                     // below the nearest point of the mesh [m], > 0
-  Vec3<Real> normal;              // from the point to there, length 1
-  std::array<Real, 3> weights;    // of the face's corners at the nearest point
-  std::array<Vec3<Real>, 3> reactions;  // on the face's corners [N]
+struct CornerContact {
+  uint32_t corner;  // place among the corners of the patch
+  uint32_t mesh;
+  Immersion<Real> at;
+};
+
+/** An edge of a patch that is deeper behind a mesh than its ends. */
+template <class Real>
+struct EdgeContact {
+  std::array<uint32_t, 2> bodies;  // its ends
+  Real sharpness;                  // 1; less for an edge that is nearly flat
+  DeepestPoint<Real> at;
+  std::array<Immersion<Real>, 2> ends;
+
+  /** How much deeper it is than an end: 1 if that is not behind the mesh, 0 if it is as deep. */
+  Real Excess(int end) const {
+    const Real ratio = ends[end].depth / at.depth;
+    return 1 - ratio * ratio;
+  }
+};
+
+/** A force on a body, to be added in turn [N]. */
+template <class Real>
+struct Reaction {
+  uint32_t body;
+  Vec3<Real> force;
 };
 
 /** Penalty contact of meshes with each other and with points: spring and damper along the normal,
  *  spring and damper with Coulomb's limit across it. */
 template <class Real>
 struct SurfaceContact {
-  static constexpr auto kName = "surface_contact", kVersion = "1.0.0";
+  static constexpr auto kName = "surface_contact", kVersion = "1.1.0";
   static constexpr auto kDoc = "Elastic, damped contact with friction of triangle meshes and points.";
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
@@ -46,12 +67,16 @@ struct SurfaceContact {
   Read<Vec3<Real>> position{"position", "body", units::metre};
   Read<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
-  /// How far the spring across the normal of a point's deepest contact is stretched.
+  /// How far the body's spring of friction is stretched.
   Scratch<Vec3<Real>> stretch{"frictionStretch", "body", units::metre};
+  /// Steps that were done when it was stretched last, and which contact did: 0 for the body's own,
+  /// else the row after that of the other end of an edge.
+  Scratch<std::array<uint32_t, 2>> stretched_by{"frictionUse", "body", units::one};
 
   auto Parameters() { return std::tie(maximum_depth); }
   auto Properties() {
-    return std::tie(vertices, hardness, damping, friction, position, velocity, force, stretch);
+    return std::tie(vertices, hardness, damping, friction, position, velocity, force, stretch,
+                    stretched_by);
   }
 
   void Bind() {
@@ -78,14 +103,17 @@ struct SurfaceContact {
     grid_.Build(face_boxes_, with_faces_);
     step.ParallelFor(patches, kGrain, [&](uint64_t begin, uint64_t end) {
       Chunk& chunk = chunks_[begin / kGrain];
-      chunk.contacts.clear();
-      for (uint64_t i = begin; i < end; ++i) Push(i, step, chunk);
-    });
-    // A corner may feel points of many chunks.
-    for (const Chunk& chunk : chunks_) {
-      for (const Contact<Real>& contact : chunk.contacts) {
-        for (int i = 0; i < 3; ++i) force[vertices[contact.face][i]] += contact.reactions[i];
+      chunk.reactions.clear();
+      chunk.edge_contacts.clear();
+      for (uint64_t i = begin; i < end; ++i) {
+        FindContacts(i, chunk);
+        PushCorners(topology_.patches()[i], step, chunk);
       }
+    });
+    // A body may feel contacts of many chunks, and an edge may use the springs of both its ends.
+    for (Chunk& chunk : chunks_) {
+      for (const auto& contact : chunk.edge_contacts) PushEdge(contact, step, chunk);
+      for (const auto& [body, reaction] : chunk.reactions) force[body] += reaction;
     }
   }
 
@@ -96,31 +124,52 @@ struct SurfaceContact {
     for (uint64_t i = 0; i < boxes_.size(); ++i) Enclose(i);
     grid_.Build(face_boxes_, with_faces_);
     for (uint64_t i = 0; i < boxes_.size(); ++i) {
-      FindCandidates(i, chunk.candidates);
-      for (const uint32_t point : topology_.PointsOf(topology_.patches()[i])) {
-        FindContacts(point, chunk);
+      chunk.edge_contacts.clear();
+      FindContacts(i, chunk);
+      for (const auto& contact : chunk.corner_contacts) {
+        const double depth{contact.at.depth};
+        energy += 0.5 * double{hardness[contact.at.face]} * depth * depth;
       }
-    }
-    for (const Contact<Real>& contact : chunk.contacts) {
-      energy += 0.5 * double{hardness[contact.face]} * double{contact.depth} * double{contact.depth};
+      for (const auto& contact : chunk.edge_contacts) {
+        const double depth = double{contact.at.depth} * double{contact.Excess(0)} *
+                             double{contact.Excess(1)};
+        const auto skin = MaterialOf(contact.at.faces, contact.at.shares);
+        energy += 0.5 * double{skin.hardness} * double{contact.sharpness} * depth * depth;
+      }
     }
     return energy;
   }
 
  private:
-  /** What a range of patches finds; its vectors keep their memory from step to step. */
-  struct Chunk {
-    std::vector<uint32_t> candidates;  // patches that a patch may touch
-    std::vector<Contact<Real>> contacts;
+  static constexpr uint32_t kOwn = 0;
+  /// Of the angle from which an edge is sharp, 30 degrees.
+  static constexpr Real kSharpCosine = Real(0.866);
+
+  /** The spring of friction of a body, and who uses it; see stretched_by. */
+  struct Spring {
+    uint32_t body = kNone;
+    uint32_t user = kOwn;
   };
 
-  /** The closest point of a mesh so far. */
-  struct Nearest {
-    Real square;  // of the distance
-    uint32_t face = kNone;
-    Closest<Real> at{};
-    Vec3<Real> offset{};  // from there
-    Vec3<Real> normal{};  // of the face, as long as twice its area
+  /** A corner of a patch in the box of a mesh. */
+  struct Near {
+    uint32_t corner;
+    Nearest<Real> nearest;
+  };
+
+  /** What a range of patches finds; its vectors keep their memory from step to step. */
+  struct Chunk {
+    std::vector<Reaction<Real>> reactions;  // of all patches; the others are of one
+    std::vector<uint32_t> candidates;       // patches that it may touch
+    std::vector<Vec3<Real>> points;         // its corners
+    std::vector<CornerContact<Real>> corner_contacts;
+    std::vector<EdgeContact<Real>> edge_contacts;
+    // The patch and one mesh.
+    std::vector<Near> near;
+    std::vector<uint32_t> edges;            // of the patch that may be behind the mesh
+    std::vector<Face<Real>> faces;
+    std::vector<Ridge<Real>> ridges;
+    std::vector<Immersion<Real>> ends;      // (corners)
   };
 
   /** Puts boxes around a patch. Throws if a body of it is nowhere. */
@@ -138,22 +187,27 @@ struct SurfaceContact {
     face_boxes_[patch] = box.Grown(Real(maximum_depth));
   }
 
-  /** Finds the contacts of a patch's points and pushes the points; notes the reactions. */
-  void Push(uint64_t index, const Step& step, Chunk& chunk) {
+  /** Contacts of a patch's own corners and edges with every other mesh: of the corners in their
+   *  order and mesh by mesh; of the edges mesh by mesh, after those that are there. */
+  void FindContacts(uint64_t index, Chunk& chunk) const {
+    const auto patches = topology_.patches();
+    chunk.corner_contacts.clear();
     FindCandidates(index, chunk.candidates);
-    for (const uint32_t point : topology_.PointsOf(topology_.patches()[index])) {
-      const size_t first = chunk.contacts.size();
-      FindContacts(point, chunk);
-      const auto contacts = std::span(chunk.contacts).subspan(first);
-      if (contacts.empty()) {
-        if (step.stage == 1) stretch[point] = {};
-        continue;
-      }
-      const auto deepest = std::ranges::max_element(contacts, {}, &Contact<Real>::depth);
-      for (auto contact = contacts.begin(); contact != contacts.end(); ++contact) {
-        force[point] += Exert(*contact, step, contact == deepest);
-      }
+    if (chunk.candidates.empty()) return;
+    chunk.points.clear();
+    for (const uint32_t body : topology_.CornersOf(patches[index])) {
+      chunk.points.push_back(position[body]);
     }
+    for (auto first = chunk.candidates.begin(); first != chunk.candidates.end();) {
+      const uint32_t mesh = patches[*first].mesh;
+      auto last = first + 1;
+      while (last != chunk.candidates.end() && patches[*last].mesh == mesh) ++last;
+      FindContactsWithMesh(index, {first, last}, chunk);
+      first = last;
+    }
+    std::ranges::sort(chunk.corner_contacts, {}, [](const CornerContact<Real>& contact) {
+      return std::pair(contact.corner, contact.mesh);
+    });
   }
 
   /** Patches of other meshes near this one, mesh by mesh. */
@@ -166,132 +220,298 @@ struct SurfaceContact {
     std::ranges::sort(out);
   }
 
-  /** Appends a contact for each mesh among the candidates that has the point inside. */
-  void FindContacts(uint32_t point, Chunk& chunk) const {
-    const auto& candidates = chunk.candidates;
-    for (size_t i = 0; i < candidates.size();) {
-      const uint32_t mesh = topology_.patches()[candidates[i]].mesh;
-      Nearest nearest{Real(maximum_depth) * Real(maximum_depth)};
-      for (; i < candidates.size() && topology_.patches()[candidates[i]].mesh == mesh; ++i) {
-        if (!face_boxes_[candidates[i]].Contains(position[point])) continue;
-        for (const uint32_t face : topology_.FacesOf(topology_.patches()[candidates[i]])) {
-          Approach(position[point], face, nearest);
+  /** `others` are patches of one mesh. */
+  void FindContactsWithMesh(uint64_t index, std::span<const uint32_t> others, Chunk& chunk) const {
+    const Patch& patch = topology_.patches()[index];
+    const uint32_t mesh = topology_.patches()[others.front()].mesh;
+    const Skin<Real> skin(topology_, vertices.data(), position.data());
+    const size_t first = chunk.corner_contacts.size();
+    FindCorners(skin, others, 0, patch.own_count, chunk);
+    if (topology_.meshes()[mesh].face_count == 1) return;  // it is flat: no edge is deepest inside
+    FindEdgesBehind(index, others, chunk);
+    if (chunk.edges.empty()) return;
+    GatherRidges(skin, boxes_[index], others, chunk);
+    if (chunk.ridges.empty()) return;
+    const size_t own = chunk.corner_contacts.size();
+    FindCorners(skin, others, patch.own_count, patch.corner_count, chunk);
+    chunk.ends.assign(patch.corner_count, {});
+    for (size_t i = first; i < chunk.corner_contacts.size(); ++i) {
+      chunk.ends[chunk.corner_contacts[i].corner] = chunk.corner_contacts[i].at;
+    }
+    chunk.corner_contacts.resize(own);
+    FindDeepEdges(skin, patch, chunk);
+  }
+
+  /** Appends which corners from `begin` to `end` are behind a mesh. */
+  void FindCorners(const Skin<Real>& skin, std::span<const uint32_t> others, uint32_t begin,
+                   uint32_t end, Chunk& chunk) const {
+    const Real reach = Real(maximum_depth);
+    chunk.near.clear();
+    for (uint32_t corner = begin; corner < end; ++corner) {
+      for (const uint32_t other : others) {
+        if (!face_boxes_[other].Contains(chunk.points[corner])) continue;
+        chunk.near.push_back({corner, {reach * reach}});
+        break;
+      }
+    }
+    if (chunk.near.empty()) return;
+    for (const uint32_t other : others) {
+      for (const uint32_t row : topology_.FacesOf(topology_.patches()[other])) {
+        const Face<Real> face = skin.FaceAt(row);
+        for (auto& [corner, nearest] : chunk.near) {
+          Approach(chunk.points[corner], face, nearest);
         }
       }
-      Contact<Real> contact;
-      if (nearest.face != kNone && IsInside(point, nearest, contact)) {
-        chunk.contacts.push_back(contact);
+    }
+    for (const auto& [corner, nearest] : chunk.near) {
+      const Immersion<Real> at = skin.ImmersionAt(nearest);
+      if (at.face == kNone) continue;
+      chunk.corner_contacts.push_back({corner, topology_.patches()[others.front()].mesh, at});
+    }
+  }
+
+  /** Lists own edges of the patch that may be behind a mesh somewhere. */
+  void FindEdgesBehind(uint64_t index, std::span<const uint32_t> others, Chunk& chunk) const {
+    const auto edges = topology_.EdgesOf(topology_.patches()[index]);
+    chunk.edges.clear();
+    const bool apart = std::ranges::none_of(others, [&](uint32_t other) {
+      return SpaceBehind(other).Overlaps(boxes_[index]);
+    });
+    if (apart) return;
+    for (uint32_t i = 0; i < edges.size(); ++i) {
+      const auto [a, b] = edges[i].ends;
+      const bool meets = std::ranges::any_of(others, [&](uint32_t other) {
+        return SpaceBehind(other).Meets(chunk.points[a], chunk.points[b]);
+      });
+      if (meets) chunk.edges.push_back(i);
+    }
+  }
+
+  /** Lists the faces of a mesh, and its convex edges that come near the box. */
+  void GatherRidges(const Skin<Real>& skin, const Box<Real>& box, std::span<const uint32_t> others,
+                    Chunk& chunk) const {
+    const Box<Real> around = box.Grown(Real(maximum_depth));
+    chunk.faces.clear();
+    chunk.ridges.clear();
+    for (const uint32_t other : others) {
+      const Patch& patch = topology_.patches()[other];
+      const auto corners = topology_.CornersOf(patch);
+      for (const uint32_t row : topology_.FacesOf(patch)) {
+        chunk.faces.push_back(skin.FaceAt(row));
+      }
+      for (const Edge& edge : topology_.EdgesOf(patch)) {
+        const Vec3<Real> start = position[corners[edge.ends[0]]];
+        const Vec3<Real> end = position[corners[edge.ends[1]]];
+        Ridge<Real> ridge;
+        if (around.Meets(start, end) && MakeRidge(skin, edge, start, end, ridge)) {
+          chunk.ridges.push_back(ridge);
+        }
       }
     }
   }
 
-  std::array<Vec3<Real>, 3> Corners(uint32_t face) const {
-    const auto [a, b, c] = vertices[face];
-    return {position[a], position[b], position[c]};
+  /** Where something may be behind the faces of a patch. What is behind a closed mesh is in it. */
+  const Box<Real>& SpaceBehind(uint32_t index) const {
+    const Patch& patch = topology_.patches()[index];
+    const Mesh& mesh = topology_.meshes()[patch.mesh];
+    const bool whole = mesh.closed && mesh.face_count == patch.face_count;
+    return whole ? boxes_[index] : face_boxes_[index];
   }
 
-  static Vec3<Real> Blend(const std::array<Real, 3>& weights, const std::array<Vec3<Real>, 3>& of) {
-    return of[0] * weights[0] + of[1] * weights[1] + of[2] * weights[2];
-  }
-
-  /** Takes the face if it is nearer to p. A face without area has no side and is passed over. */
-  void Approach(Vec3<Real> p, uint32_t face, Nearest& nearest) const {
-    const auto [a, b, c] = Corners(face);
-    const Vec3<Real> normal = Cross(b - a, c - a);
-    const Real scale = Dot(normal, normal), height = Dot(normal, p - a);
-    if (!(height * height < nearest.square * scale)) return;
-    const Closest<Real> at = ClosestOnTriangle(p, a, b, c);
-    const Vec3<Real> offset = p - Blend(at.weights, {a, b, c});
-    const Real square = at.feature == kFace ? height * height / scale : Dot(offset, offset);
-    if (square < nearest.square) nearest = {square, face, at, offset, normal};
-  }
-
-  /** Fills in the contact if the point is behind the nearest point of the mesh. */
-  bool IsInside(uint32_t point, const Nearest& nearest, Contact<Real>& contact) const {
-    const Real depth = std::sqrt(nearest.square);
-    if (depth == 0 || !IsBehind(nearest)) return false;
-    contact.point = point;
-    contact.face = nearest.face;
-    contact.depth = depth;
-    contact.normal =
-        nearest.at.feature == kFace ? Unit(nearest.normal) : nearest.offset * (-1 / depth);
-    contact.weights = nearest.at.weights;
+  /** False if the edge is not convex, or a face at it has no area. */
+  bool MakeRidge(const Skin<Real>& skin, const Edge& edge, Vec3<Real> start, Vec3<Real> end,
+                 Ridge<Real>& ridge) const {
+    const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
+    if (neighbour == kNone) return false;
+    const Face<Real> face = skin.FaceAt(edge.surface), other = skin.FaceAt(neighbour);
+    const Vec3<Real> middle = (other.a + other.b + other.c) * (Real(1) / 3), along = end - start;
+    if (!(Dot(face.normal, middle - start) < 0) || !(other.scale > 0)) return false;
+    ridge = {start, along * (1 / Dot(along, along)), {Unit(face.normal), Unit(other.normal)}};
     return true;
   }
 
-  /** Nothing is behind a border. */
-  bool IsBehind(const Nearest& nearest) const {
-    const auto& [square, face, at, offset, normal] = nearest;
-    if (at.feature == kFace) return Dot(offset, normal) < 0;
-    if (at.feature < kCorner0) {
-      const uint32_t neighbour = topology_.Neighbour(face, at.feature - kEdge0);
-      return neighbour != kNone && Dot(offset, Unit(normal) + Unit(Normal(neighbour))) < 0;
+  /** Appends a contact for each listed edge of the patch that is deepest between its ends. */
+  void FindDeepEdges(const Skin<Real>& skin, const Patch& patch, Chunk& chunk) const {
+    const DeepestPointSearch<Real> search(skin, chunk.ridges, chunk.faces);
+    const auto edges = topology_.EdgesOf(patch);
+    const auto corners = topology_.CornersOf(patch);
+    for (const uint32_t i : chunk.edges) {
+      const auto [a, b] = edges[i].ends;
+      const Real sharpness = SharpnessOf(skin, edges[i]);
+      if (sharpness == 0) continue;
+      const Real least = std::max(chunk.ends[a].depth, chunk.ends[b].depth);
+      const DeepestPoint<Real> deepest =
+          search.Find(chunk.points[a], chunk.points[b], least, Real(maximum_depth));
+      if (deepest.depth == 0) continue;
+      chunk.edge_contacts.push_back(
+          {{corners[a], corners[b]}, sharpness, deepest, {chunk.ends[a], chunk.ends[b]}});
     }
-    const uint32_t corner = vertices[face][at.feature - kCorner0];
-    return !topology_.OnBorder(corner) && IsBehindCorner(offset, corner);
   }
 
-  /** By the sum of the normals around, weighted with their angles (J. A. Baerentzen, H. Aanaes,
-   *  Signed Distance Computation Using the Angle Weighted Pseudonormal, 2005); where all faces
-   *  agree, by any of them. */
-  bool IsBehindCorner(Vec3<Real> offset, uint32_t corner) const {
-    const auto around = topology_.Around(corner);
-    const auto behind = std::ranges::count_if(
-        around, [&](uint32_t face) { return Dot(offset, Normal(face)) < 0; });
-    if (behind == 0) return false;
-    if (behind == std::ssize(around)) return true;
-    Vec3<Real> sum;
-    for (const uint32_t face : around) sum += Unit(Normal(face)) * AngleAt(corner, face);
-    return Dot(offset, sum) < 0;
+  /** From 0 for an edge that is flat or hollow to 1 for one whose faces turn by 30 degrees or
+   *  more, and for a border. A flat edge is part of a face, which touches with its outline. */
+  Real SharpnessOf(const Skin<Real>& skin, const Edge& edge) const {
+    const uint32_t neighbour = topology_.Neighbour(edge.surface, edge.number);
+    if (neighbour == kNone) return 1;
+    const Face<Real> face = skin.FaceAt(edge.surface), other = skin.FaceAt(neighbour);
+    const Vec3<Real> middle = (other.a + other.b + other.c) * (Real(1) / 3);
+    if (!(Dot(face.normal, middle - face.a) < 0)) return 0;
+    const Real cosine = Dot(Unit(face.normal), Unit(other.normal));
+    return std::clamp((1 - cosine) / (1 - kSharpCosine), Real(0), Real(1));
   }
 
-  /** Outwards, as long as twice the area. */
-  Vec3<Real> Normal(uint32_t face) const {
-    const auto [a, b, c] = Corners(face);
-    return Cross(b - a, c - a);
-  }
-
-  static Vec3<Real> Unit(Vec3<Real> v) {
-    const Real length = Length(v);
-    return length > 0 ? v * (1 / length) : Vec3<Real>{};
-  }
-
-  /** Of a face's corner [rad]. */
-  Real AngleAt(uint32_t body, uint32_t face) const {
-    auto [a, b, c] = vertices[face];
-    while (a != body) {
-      const uint32_t first = a;
-      a = b, b = c, c = first;
+  /** Pushes the points of a patch; notes the reactions. */
+  void PushCorners(const Patch& patch, const Step& step, Chunk& chunk) {
+    const auto bodies = topology_.PointsOf(patch);
+    auto contact = chunk.corner_contacts.begin();
+    for (uint32_t corner = 0; corner < bodies.size(); ++corner) {
+      const auto first = contact;
+      while (contact != chunk.corner_contacts.end() && contact->corner == corner) ++contact;
+      const uint32_t body = bodies[corner];
+      if (first == contact) continue;
+      const auto depth = [](const CornerContact<Real>& of) { return of.at.depth; };
+      const auto deepest = std::ranges::max_element(first, contact, {}, depth);
+      for (auto each = first; each != contact; ++each) {
+        const Touch<Real, 1> touch{
+            position[body], velocity[body], {each->at}, {1}, each->at.depth, 1};
+        const Spring spring = each == deepest ? Spring{body, kOwn} : Spring{};
+        const Response<Real> response = Exert(touch, step, spring, chunk);
+        force[body] += each->at.normal * response.push + response.drag;
+      }
     }
-    const Vec3<Real> u = position[b] - position[a], v = position[c] - position[a];
-    return std::atan2(Length(Cross(u, v)), Dot(u, v));
   }
 
-  /** The force on the point [N]; fills in the reactions. They are such that momentum and angular
-   *  momentum are kept: friction acts at the point, as if the face carried it along. */
-  Vec3<Real> Exert(Contact<Real>& contact, const Step& step, bool remembers) {
-    const auto corners = Corners(contact.face);
-    const auto [i, j, k] = vertices[contact.face];
-    const std::array<Vec3<Real>, 3> moving{velocity[i], velocity[j], velocity[k]};
-    const Vec3<Real> moving_point = velocity[contact.point];
-
-    const Vec3<Real> closing = Blend(contact.weights, moving) - moving_point;
-    const Real speed = Dot(closing, contact.normal);
-    const Real push = hardness[contact.face] * contact.depth + Damping(contact.face) * speed;
-    if (push <= 0) {  // it does not pull
-      if (remembers && step.stage == 1) stretch[contact.point] = {};
-      return {};
+  /** The forces are the slope of the energy k S (D A B)^2 / 2 with the depth D, the sharpness S and
+   *  the excess A, B of D over the depth of each end. An edge that is hardly deeper than its end
+   *  adds little, and takes over what the end bears as it gets deeper. */
+  void PushEdge(const EdgeContact<Real>& contact, const Step& step, Chunk& chunk) {
+    const auto& bodies = contact.bodies;
+    const std::array<Real, 2> weights{1 - contact.at.place, contact.at.place};
+    const std::array<Real, 2> excess{contact.Excess(0), contact.Excess(1)};
+    const Real both = excess[0] * excess[1];
+    const Real strength = contact.sharpness * both * (2 * (excess[0] + excess[1]) - 3 * both);
+    const Touch<Real, 2> touch{
+        position[bodies[0]] * weights[0] + position[bodies[1]] * weights[1],
+        velocity[bodies[0]] * weights[0] + velocity[bodies[1]] * weights[1],
+        contact.at.faces, contact.at.shares, contact.at.depth, strength};
+    const Response<Real> response = Exert(touch, step, SpringOf(bodies, step), chunk);
+    if (response.push <= 0) return;
+    const Vec3<Real> total = touch.Normal() * response.push + response.drag;
+    const Real hardness_now = std::min(MaterialOf(touch.faces, touch.shares).hardness,
+                                       response.push / (strength * touch.depth));
+    const Real relief = 2 * contact.sharpness * both * hardness_now;
+    for (int end = 0; end < 2; ++end) {
+      chunk.reactions.push_back({bodies[end], total * weights[end]});
+      const Immersion<Real>& at = contact.ends[end];
+      if (at.face == kNone) continue;
+      const Vec3<Real> relieved = at.normal * (relief * excess[1 - end] * at.depth);
+      chunk.reactions.push_back({bodies[end], -relieved});
+      for (int corner = 0; corner < 3; ++corner) {
+        chunk.reactions.push_back({vertices[at.face][corner], relieved * at.weights[corner]});
+      }
     }
+  }
 
-    const Frame frame(corners, position[contact.point]);
-    const Vec3<Real> slip =
-        Across(moving_point - frame.Carried(moving), contact.normal);
-    const Vec3<Real> drag = Rub(contact, slip, push, step, remembers);
-    for (int corner = 0; corner < 3; ++corner) {
-      contact.reactions[corner] = contact.normal * (-push * contact.weights[corner]) +
-                                  frame.Reaction(corner, drag);
+  template <size_t n>
+  Material<Real> MaterialOf(const std::array<Immersion<Real>, n>& faces,
+                            const std::array<Real, n>& shares) const {
+    Material<Real> sum;
+    for (size_t i = 0; i < n; ++i) {
+      const uint32_t face = faces[i].face;
+      sum.hardness += shares[i] * hardness[face];
+      if (damping.present()) sum.damping += shares[i] * damping[face];
+      if (friction.present()) sum.friction += shares[i] * friction[face];
     }
-    return contact.normal * push + drag;
+    return sum;
+  }
+
+  /** The forces of a touch on its point; notes the reactions on the faces' corners. They are such
+   *  that momentum and angular momentum are kept: friction acts at the point, as if the faces
+   *  carried it along. Without a spring, the damper of friction rubs alone. */
+  template <size_t n>
+  Response<Real> Exert(const Touch<Real, n>& touch, const Step& step, Spring spring,
+                       Chunk& chunk) const {
+    Material<Real> skin = MaterialOf(touch.faces, touch.shares);
+    skin.hardness *= touch.strength;
+    skin.damping *= touch.strength;
+    Real closing = 0;
+    for (size_t i = 0; i < n; ++i) {
+      const Immersion<Real>& at = touch.faces[i];
+      closing += touch.shares[i] *
+                 Dot(Blend(at.weights, Moving(at.face)) - touch.velocity, at.normal);
+    }
+    const Real push = skin.hardness * touch.depth + skin.damping * closing;
+    if (push <= 0) return {};  // it does not pull
+    Vec3<Real> normal = touch.Normal();
+    Response<Real> response{push};
+    const auto frames = FramesOf(touch, std::make_index_sequence<n>());
+    if (friction.present()) {
+      Real limit = skin.friction * push;
+      if constexpr (n > 1) {
+        const Real length = Length(normal);
+        limit *= length;
+        normal = normal * (1 / length);
+      }
+      Vec3<Real> carried;
+      for (size_t i = 0; i < n; ++i) {
+        carried += frames[i].Carried(Moving(touch.faces[i].face)) * touch.shares[i];
+      }
+      const Vec3<Real> slip = Across(touch.velocity - carried, normal);
+      Vec3<Real> stretched;
+      if (spring.body != kNone) {
+        if (Holds(spring, step)) stretched = Across(stretch[spring.body], normal);
+        if (step.stage == 1) stretched += slip * static_cast<Real>(step.dt);
+      }
+      response.drag = Rub(skin, slip, limit, stretched);
+      if (spring.body != kNone && step.stage == 1) {
+        stretch[spring.body] = stretched;
+        stretched_by[spring.body] = {StepsDone(step) + 1, spring.user};
+      }
+    }
+    for (size_t i = 0; i < n; ++i) {
+      const Immersion<Real>& at = touch.faces[i];
+      for (int corner = 0; corner < 3; ++corner) {
+        chunk.reactions.push_back({vertices[at.face][corner],
+                                   (at.normal * (-push * at.weights[corner]) +
+                                    frames[i].Reaction(corner, response.drag)) * touch.shares[i]});
+      }
+    }
+    return response;
+  }
+
+  /** Whether the spring is still stretched by its user: by the step before, or by this one. */
+  bool Holds(Spring spring, const Step& step) const {
+    const uint32_t then = StepsDone(step) + (step.stage == 1 ? 0 : 1);
+    const auto [when, user] = stretched_by[spring.body];
+    return when == then && user == spring.user;
+  }
+
+  /** Of the end whose spring the edge stretches already, else of one that nobody needs. */
+  Spring SpringOf(const std::array<uint32_t, 2>& bodies, const Step& step) const {
+    const std::array<Spring, 2> springs{Spring{bodies[0], bodies[1] + 1},
+                                        Spring{bodies[1], bodies[0] + 1}};
+    for (const Spring& spring : springs) {
+      if (Holds(spring, step)) return spring;
+    }
+    for (const Spring& spring : springs) {
+      if (stretched_by[spring.body][0] != StepsDone(step) + 1) return spring;
+    }
+    return {};
+  }
+
+  static uint32_t StepsDone(const Step& step) { return static_cast<uint32_t>(step.index); }
+
+  std::array<Vec3<Real>, 3> Moving(uint32_t face) const {
+    const auto [i, j, k] = vertices[face];
+    return {velocity[i], velocity[j], velocity[k]};
+  }
+
+  /** The touched faces, as they would carry the point. */
+  template <size_t n, size_t... i>
+  std::array<Frame<Real>, n> FramesOf(const Touch<Real, n>& touch,
+                                      std::index_sequence<i...>) const {
+    const Skin<Real> skin(topology_, vertices.data(), position.data());
+    return {Frame<Real>(skin.Corners(touch.faces[i].face), touch.point)...};
   }
 
   /** A negative one would pull, speed up or blow up. */
@@ -304,68 +524,6 @@ struct SurfaceContact {
                                ", expected 0 or more");
     }
   }
-
-  Real Damping(uint32_t face) const { return damping.present() ? damping[face] : 0; }
-
-  static Vec3<Real> Across(Vec3<Real> v, Vec3<Real> normal) { return v - normal * Dot(v, normal); }
-
-  /** Friction on the point [N]: a spring and a damper against the slip, which give way at Coulomb's
-   *  limit (P. A. Cundall, O. D. L. Strack, A Discrete Numerical Model for Granular Assemblies,
-   *  1979). Without memory, the damper alone. */
-  Vec3<Real> Rub(const Contact<Real>& contact, Vec3<Real> slip, Real push, const Step& step,
-                 bool remembers) {
-    if (!friction.present()) return {};
-    const Real limit = friction[contact.face] * push;
-    const Real stiffness = hardness[contact.face], viscosity = Damping(contact.face);
-    Vec3<Real> stretched;
-    if (remembers) {
-      stretched = Across(stretch[contact.point], contact.normal);
-      if (step.stage == 1) stretched += slip * static_cast<Real>(step.dt);
-    }
-    Vec3<Real> drag = stretched * -stiffness - slip * viscosity;
-    const Real size = Length(drag);
-    if (!(size <= limit)) {
-      drag = drag * (limit / size);
-      stretched = stiffness > 0 ? (drag + slip * viscosity) * (-1 / stiffness) : Vec3<Real>{};
-    }
-    if (remembers && step.stage == 1) stretch[contact.point] = stretched;
-    return drag;
-  }
-
-  /** A point as a face carries it: weights of the corners, and a height above its plane. */
-  struct Frame {
-    Frame(const std::array<Vec3<Real>, 3>& corners, Vec3<Real> point) {
-      const auto& [a, b, c] = corners;
-      const Vec3<Real> cross = Cross(b - a, c - a);
-      const Real area = Dot(cross, cross);
-      normal = cross * (1 / std::sqrt(area));
-      gradients = {Cross(cross, c - b) * (1 / area), Cross(cross, a - c) * (1 / area),
-                   Cross(cross, b - a) * (1 / area)};
-      height = Dot(normal, point - a);
-      weights[1] = Dot(gradients[1], point - a);
-      weights[2] = Dot(gradients[2], point - a);
-      weights[0] = 1 - weights[1] - weights[2];
-    }
-
-    /** Velocity of the point if the face carried it along. */
-    Vec3<Real> Carried(const std::array<Vec3<Real>, 3>& moving) const {
-      Vec3<Real> sum = Blend(weights, moving);
-      for (int i = 0; i < 3; ++i) sum -= gradients[i] * (height * Dot(normal, moving[i]));
-      return sum;
-    }
-
-    /** What a corner feels of a force on the point. Over the corners, these have the opposite sum
-     *  and the opposite moment, and they do the work that Carried says. */
-    Vec3<Real> Reaction(int corner, Vec3<Real> on_point) const {
-      return on_point * -weights[corner] +
-             normal * (height * Dot(gradients[corner], on_point));
-    }
-
-    Vec3<Real> normal;
-    std::array<Vec3<Real>, 3> gradients;  // of the weights [1/m]
-    std::array<Real, 3> weights;
-    Real height;
-  };
 
   // All of it is rebuilt by Bind or by each Advance.
   MeshTopology topology_;

@@ -1,0 +1,103 @@
+// The forces of a contact.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <span>
+
+#include "skin.hpp"
+
+namespace vesper::surface_contact {
+
+template <class Real>
+Vec3<Real> Across(Vec3<Real> v, Vec3<Real> normal) {
+  return v - normal * Dot(v, normal);
+}
+
+/// Of the skin where a point is pressed into it.
+template <class Real>
+struct Material {
+  Real hardness = 0;  // [N/m]
+  Real damping = 0;   // [N s/m]
+  Real friction = 0;  // [1]
+};
+
+/** A point as a face carries it: weights of the corners, and a height above its plane. */
+template <class Real>
+struct Frame {
+  Frame(const std::array<Vec3<Real>, 3>& corners, Vec3<Real> point) {
+    const auto& [a, b, c] = corners;
+    const Vec3<Real> cross = Cross(b - a, c - a);
+    const Real area = Dot(cross, cross);
+    normal = cross * (1 / std::sqrt(area));
+    gradients = {Cross(cross, c - b) * (1 / area), Cross(cross, a - c) * (1 / area),
+                 Cross(cross, b - a) * (1 / area)};
+    height = Dot(normal, point - a);
+    weights[1] = Dot(gradients[1], point - a);
+    weights[2] = Dot(gradients[2], point - a);
+    weights[0] = 1 - weights[1] - weights[2];
+  }
+
+  /** Velocity of the point if the face carried it along. */
+  Vec3<Real> Carried(const std::array<Vec3<Real>, 3>& moving) const {
+    Vec3<Real> sum = Blend(weights, moving);
+    for (int i = 0; i < 3; ++i) sum -= gradients[i] * (height * Dot(normal, moving[i]));
+    return sum;
+  }
+
+  /** What a corner feels of a force on the point. Over the corners, these have the opposite sum
+   *  and the opposite moment, and they do the work that Carried says. */
+  Vec3<Real> Reaction(int corner, Vec3<Real> on_point) const {
+    return on_point * -weights[corner] + normal * (height * Dot(gradients[corner], on_point));
+  }
+
+  Vec3<Real> normal;
+  std::array<Vec3<Real>, 3> gradients;  // of the weights [1/m]
+  std::array<Real, 3> weights;
+  Real height;
+};
+
+/// A point pressed into n faces of a mesh.
+template <class Real, size_t n>
+struct Touch {
+  Vec3<Real> point;     // [m]
+  Vec3<Real> velocity;  // of the point [m/s]
+  std::array<Immersion<Real>, n> faces;
+  std::array<Real, n> shares;  // of the faces; their sum is 1
+  Real depth;                  // by these shares [m]
+  Real strength;               // factor of hardness and damping
+
+  /// Length 1, but for two faces shorter: the less they agree, the flatter they lie to it.
+  Vec3<Real> Normal() const {
+    if constexpr (n == 1) return faces[0].normal;
+    Vec3<Real> sum;
+    for (size_t i = 0; i < n; ++i) sum += faces[i].normal * shares[i];
+    return sum;
+  }
+};
+
+/// What a touch leads to [N].
+template <class Real>
+struct Response {
+  Real push = 0;      // along the normal of the touch
+  Vec3<Real> drag{};  // across it, on the point
+};
+
+/** Friction on a point [N]: a spring, which is stretched by `stretch`, and a damper against the
+ *  slip, which give way at Coulomb's limit (P. A. Cundall, O. D. L. Strack, A Discrete Numerical
+ *  Model for Granular Assemblies, 1979). */
+template <class Real>
+Vec3<Real> Rub(const Material<Real>& skin, Vec3<Real> slip, Real limit, Vec3<Real>& stretch) {
+  Vec3<Real> drag = stretch * -skin.hardness - slip * skin.damping;
+  const Real size = Length(drag);
+  if (!(size <= limit)) {
+    drag = drag * (limit / size);
+    stretch = skin.hardness > 0 ? (drag + slip * skin.damping) * (-1 / skin.hardness)
+                                : Vec3<Real>{};
+  }
+  return drag;
+}
+
+}  // namespace vesper::surface_contact
