@@ -5,7 +5,9 @@ import java.net.InetAddress;
 import java.net.InetSocketAddress;
 import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
+import java.nio.charset.StandardCharsets;
 import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.regex.Pattern;
 import javax.net.ssl.SSLException;
 import org.jspecify.annotations.Nullable;
 
@@ -17,6 +19,7 @@ import org.jspecify.annotations.Nullable;
 final class Connection implements EventLoop.Handler {
 
     private static final int MAX_DRAINED_BYTES = 1024 * 1024;
+    private static final Pattern HTTP = Pattern.compile("^[A-Z]{3,10} .* HTTP/");
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
 
     private final AgentServer server;
@@ -234,11 +237,19 @@ final class Connection implements EventLoop.Handler {
     }
 
     private void take(ByteBuffer bytes) throws Ending {
+        if (session == null && isHttp(bytes)) {
+            throw Ending.cut("no-http", "this is no web server; a browser would let any page speak to it");
+        }
         try {
             handle(MessageReader.read(bytes, encoding));
         } catch (BadMessage e) {
             refuse(e);
         }
+    }
+
+    /** A page in a browser can send what it likes to this machine, but only behind a line like this. */
+    private static boolean isHttp(ByteBuffer line) {
+        return HTTP.matcher(StandardCharsets.ISO_8859_1.decode(line.duplicate())).find();
     }
 
     private void refuse(BadMessage message) throws Ending {

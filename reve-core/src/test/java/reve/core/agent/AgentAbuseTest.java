@@ -251,6 +251,8 @@ class AgentAbuseTest {
             System.out.println(counts);
             assertThat(endings).hasSize(CLIENTS * Kind.values().length);
             assertThat(counts.keySet()).noneMatch(ending -> ending.contains("no bye"));
+            long cut = endings.stream().filter(ending -> ending.matches(".* (hello|line|too)-.*")).count();
+            assertThat(room.server.stats().cut()).as("with those that never read").isEqualTo(cut + CLIENTS);
             assertThat(room.world.table("body").rowCount()).as("bodies that are left").isEqualTo(STONES + 1);
             assertThat(openFiles() - files).as("more open files").isLessThanOrEqualTo(MAX_MORE_FILES);
             assertThat(usedHeap() - heap).as("more memory").isLessThan(MAX_HEAP_GROWTH);

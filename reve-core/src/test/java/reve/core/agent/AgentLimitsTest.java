@@ -161,6 +161,15 @@ class AgentLimitsTest {
         }
     }
 
+    @Test
+    void aPageInABrowserCannotSpeakToTheServer() throws IOException {
+        try (AgentRoom room = new AgentRoom(); TestClient browser = room.connect()) {
+            browser.say("POST / HTTP/1.1\r").say("Host: 127.0.0.1\r").say("\r")
+                    .say("{'t':'hello','protocol':1,'name':'page','role':'control'}").say("{'t':'shut-down','id':1}");
+            browser.expectBye("no-http");
+        }
+    }
+
     private enum Garbage {
         NOISE(random -> {
             byte[] bytes = new byte[random.nextInt(1, 3000)];

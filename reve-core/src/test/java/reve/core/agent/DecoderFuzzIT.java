@@ -30,7 +30,7 @@ class DecoderFuzzIT {
                 System.getProperty("java.class.path"), "com.code_intelligence.jazzer.Jazzer",
                 "--target_class=" + DecoderFuzzer.class.getName(),
                 "--instrumentation_includes=reve.core.agent.**:tools.jackson.core.**:org.msgpack.**", "-runs=" + RUNS,
-                "-seed=" + seed, "-max_len=8192", "-timeout=10", corpus.toString())
+                "-seed=" + seed, "-max_len=8192", "-timeout=300", corpus.toString())
                 .directory(folder.toFile()).redirectErrorStream(true).start();
         jazzer.getOutputStream().close();
         String said = new String(jazzer.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
