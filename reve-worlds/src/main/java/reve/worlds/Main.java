@@ -7,6 +7,7 @@ import picocli.CommandLine.IVersionProvider;
 import picocli.CommandLine.ScopeType;
 import reve.pe.PhysicsException;
 import reve.worlds.cli.CheckCommand;
+import reve.worlds.cli.ControlCommand;
 import reve.worlds.cli.DemoCommand;
 import reve.worlds.cli.ExitCode;
 import reve.worlds.cli.ReplayCommand;
@@ -29,6 +30,7 @@ import reve.worlds.cli.TokenCommand;
             SnapshotCommand.class,
             CheckCommand.class,
             DemoCommand.class,
+            ControlCommand.class,
             TokenCommand.class,
         },
         footer = {

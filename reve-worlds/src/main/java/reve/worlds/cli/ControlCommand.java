@@ -1,0 +1,133 @@
+package reve.worlds.cli;
+
+import java.io.IOException;
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.Callable;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.Parameters;
+import picocli.CommandLine.Spec;
+import reve.agent.ActResult;
+import reve.agent.AgentClient;
+import reve.agent.AgentException;
+import reve.agent.Join;
+import reve.agent.Trust;
+
+/** Says one command of the role control to a running server. */
+@Command(
+        name = "control",
+        description = "Says a command to a running world: pause, step, run, snapshot, rewind, save, edit, "
+                + "load-law, unload-law, picture, shut-down. For example: control rewind image=calm, "
+                + "control edit item=blue property=physics.velocity value=0,3,0.")
+public final class ControlCommand implements Callable<Integer> {
+    private static final String TOKEN = "REVE_TOKEN";
+
+    @Spec
+    private CommandSpec spec = CommandSpec.create();
+
+    @Parameters(index = "0", paramLabel = "COMMAND", description = "As in agents/protocol/PROTOCOL.md.")
+    private String command = "";
+
+    @Parameters(index = "1..*", paramLabel = "FIELD=VALUE",
+            description = "Its fields: numbers, numbers with commas between, true, false, or text.")
+    private List<String> given = new ArrayList<>();
+
+    @Option(names = "--host", paramLabel = "ADDRESS", defaultValue = "127.0.0.1",
+            description = "Where the server is (default: ${DEFAULT-VALUE}).")
+    private String host = "";
+
+    @Option(names = "--port", paramLabel = "N", defaultValue = ListenOptions.DEFAULT_PORT,
+            description = "Its port for agents (default: ${DEFAULT-VALUE}).")
+    private int port;
+
+    @Option(names = "--world", paramLabel = "NAME", description = "Which world, if the server has several.")
+    private Optional<String> world = Optional.empty();
+
+    @Option(names = "--name", paramLabel = "NAME", defaultValue = "control",
+            description = "Who says it (default: ${DEFAULT-VALUE}). A token is taken from " + TOKEN + ".")
+    private String name = "";
+
+    @Option(names = "--tls-trust", paramLabel = "FILE",
+            description = "Speak TLS, with a server that a certificate in this file (PEM) vouches for.")
+    private Optional<Path> trust = Optional.empty();
+
+    @Option(names = "--json", description = "Print the result as one JSON document.")
+    private boolean json;
+
+    @Override
+    public Integer call() throws IOException {
+        Map<String, Object> fields = fields();
+        try (AgentClient client = AgentClient.connect(host, port, join())) {
+            ActResult result = client.command(command, fields);
+            tell(result);
+            return result.accepted() ? ExitCode.OK : ExitCode.FAILURE;
+        } catch (AgentException refused) {
+            throw new IOException(host + ":" + port + " answers " + refused.getMessage(), refused);
+        }
+    }
+
+    private Join join() throws IOException {
+        Join join = Join.as(name).withRole("control");
+        if (world.isPresent()) {
+            join = join.withWorld(world.get());
+        }
+        if (System.getenv(TOKEN) != null) {
+            join = join.withToken(System.getenv(TOKEN));
+        }
+        return trust.isPresent() ? join.withTls(Trust.file(trust.get())) : join;
+    }
+
+    private Map<String, Object> fields() {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        for (String field : given) {
+            int equals = field.indexOf('=');
+            if (equals < 1) {
+                throw new ParameterException(spec.commandLine(), "'" + field + "' is no field of "
+                        + command + ", expected FIELD=VALUE, e.g. image=calm");
+            }
+            fields.put(field.substring(0, equals), value(field.substring(equals + 1)));
+        }
+        return fields;
+    }
+
+    private static Object value(String text) {
+        if (text.equals("true") || text.equals("false")) {
+            return Boolean.valueOf(text);
+        }
+        try {
+            List<Double> numbers = new ArrayList<>();
+            for (String part : text.split(",", -1)) {
+                numbers.add(Double.valueOf(part));
+            }
+            return numbers.size() == 1 ? numbers.getFirst() : numbers;
+        } catch (NumberFormatException noNumber) {
+            return text;
+        }
+    }
+
+    private void tell(ActResult result) {
+        PrintWriter out = spec.commandLine().getOut();
+        if (json) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("accepted", result.accepted());
+            result.frame().ifPresent(frame -> fields.put("frame", frame));
+            result.code().ifPresent(code -> fields.put("code", code));
+            result.reason().ifPresent(reason -> fields.put("reason", reason));
+            Json.print(spec, fields);
+        } else if (result.accepted()) {
+            out.println(command + ": frame " + result.frame().orElseThrow());
+        } else {
+            spec.commandLine().getErr().println("reve: " + result.code().orElse("refused") + ": "
+                    + result.reason().orElse(""));
+        }
+        out.flush();
+    }
+}
