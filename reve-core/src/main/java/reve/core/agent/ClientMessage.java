@@ -16,6 +16,7 @@ sealed interface ClientMessage {
         return switch (this) {
             case Hello hello -> "hello";
             case Perceive perceive -> "perceive";
+            case Look look -> "look";
             case Act act -> "act";
             case Ready ready -> "ready";
             case Pause pause -> "pause";
@@ -80,6 +81,9 @@ sealed interface ClientMessage {
     record Perceive(long id, int every, boolean relations) implements ClientMessage {
         static final int ONCE = -1;
     }
+
+    /** @param sensor one of its body's cameras */
+    record Look(long id, String sensor) implements ClientMessage {}
 
     /**
      * The agent has done what it does in this round.

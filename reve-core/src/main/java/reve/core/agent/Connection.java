@@ -272,6 +272,7 @@ final class Connection implements EventLoop.Handler {
             case ClientMessage.Hello again -> throw new BadMessage(again.id(), "hello-again",
                     "this connection is " + agent + " already", "open another connection for another agent");
             case ClientMessage.Perceive perceive -> agent.perceive(perceive);
+            case ClientMessage.Look look -> agent.look(look);
             case ClientMessage.Act act -> agent.request(act);
             case ClientMessage.Control control -> hold(agent, control);
             case ClientMessage.Ready ready -> agent.ready(ready);

@@ -1,5 +1,7 @@
 package reve.core.agent;
 
+import java.util.Base64;
+
 /** Writes JSON (RFC 8259) without a space. */
 final class JsonWriter implements MessageWriter {
 
@@ -72,6 +74,12 @@ final class JsonWriter implements MessageWriter {
     public void number(double number) {
         beginValue();
         out.put(Double.toString(number));
+    }
+
+    @Override
+    public void bytes(byte[] bytes) {
+        beginValue();
+        out.put('"').put(Base64.getEncoder().encode(bytes)).put('"');
     }
 
     @Override

@@ -23,15 +23,30 @@ final class MessagePackReader {
 
     private final MessageUnpacker unpacker;
     private final int bytes;
+    private final Binary binary;
 
-    private MessagePackReader(ByteBuffer message) {
+    /** What stands for bytes. */
+    interface Binary {
+        /** @throws IllegalArgumentException if there are to be none */
+        String text(byte[] bytes);
+    }
+
+    private MessagePackReader(ByteBuffer message, Binary binary) {
+        this.binary = binary;
         this.unpacker = CONFIG.newUnpacker(message);
         this.bytes = message.remaining();
     }
 
     /** @throws IllegalArgumentException saying what is wrong, if the bytes are not one value and nothing else */
     static JsonNode read(ByteBuffer message) {
-        var reader = new MessagePackReader(message);
+        return read(message, bytes -> {
+            throw new IllegalArgumentException("a value of type BINARY, expected what JSON has too");
+        });
+    }
+
+    /** As {@link #read(ByteBuffer)}, with texts for bytes. */
+    static JsonNode read(ByteBuffer message, Binary binary) {
+        var reader = new MessagePackReader(message, binary);
         try {
             JsonNode node = reader.value(Json.MAX_DEPTH);
             if (reader.unpacker.getTotalReadBytes() != reader.bytes) {
@@ -57,7 +72,8 @@ final class MessagePackReader {
             case STRING -> NODES.stringNode(unpacker.unpackString());
             case ARRAY -> list(depth);
             case MAP -> map(depth);
-            case BINARY, EXTENSION -> throw new IllegalArgumentException(
+            case BINARY -> NODES.stringNode(binary.text(unpacker.readPayload(unpacker.unpackBinaryHeader())));
+            case EXTENSION -> throw new IllegalArgumentException(
                     "a value of type " + type + ", expected what JSON has too");
         };
     }

@@ -73,6 +73,18 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
     }
 
     @Override
+    public void bytes(byte[] bytes) {
+        if (bytes.length < 1 << 8) {
+            out.put(0xc4).put(bytes.length);
+        } else if (bytes.length < 1 << 16) {
+            out.put(0xc5).putShort(bytes.length);
+        } else {
+            out.put(0xc6).putInt(bytes.length);
+        }
+        out.put(bytes);
+    }
+
+    @Override
     public void encoded(byte[] value) {
         out.put(value);
     }

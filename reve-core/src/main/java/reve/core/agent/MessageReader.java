@@ -117,6 +117,7 @@ final class MessageReader {
             case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
                     ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE,
                     fields.isTrue("relations"));
+            case "look" -> new ClientMessage.Look(fields.required(), fields.text("sensor"));
             case "act" -> new ClientMessage.Act(fields.required(), fields.text("item"), fields.text("action"),
                     fields.arguments(), fields.isTrue("ready") ? Optional.of(fields.ready()) : Optional.empty());
             case "ready" -> fields.ready();
@@ -140,8 +141,8 @@ final class MessageReader {
             case "bye" -> new ClientMessage.Bye(fields.id);
             default -> throw new BadMessage(fields.id, "unknown-type",
                     "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
-                    "a client sends hello, perceive, act, ready, ping, pong or bye; in the role control also pause, run, "
-                            + "step, load-law, unload-law, edit, picture, snapshot, rewind, save, fork or shut-down");
+                    "a client sends hello, perceive, look, act, ready, ping, pong or bye; in the role control also pause, "
+                            + "run, step, load-law, unload-law, edit, picture, snapshot, rewind, save, fork or shut-down");
         };
     }
 

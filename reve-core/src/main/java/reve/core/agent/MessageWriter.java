@@ -33,6 +33,9 @@ interface MessageWriter {
 
     Encoding encoding();
 
+    /** In JSON a text, in base64 (RFC 4648). */
+    void bytes(byte[] bytes);
+
     /** A value that many messages hold. */
     default void fragment(Fragment fragment) {
         encoded(fragment.in(encoding()));
@@ -47,7 +50,7 @@ interface MessageWriter {
         endList();
     }
 
-    /** String, Boolean, Number, or a List or a Map by text of such. What is not finite is written as text. */
+    /** String, Boolean, Number, byte[], or a List or a Map by text of such. What is not finite is written as text. */
     default void value(Object value) {
         switch (value) {
             case String text -> text(text);
@@ -56,6 +59,7 @@ interface MessageWriter {
             case Long number -> integer(number);
             case Number number when Double.isFinite(number.doubleValue()) -> number(number.doubleValue());
             case Number number -> text(Double.toString(number.doubleValue()));
+            case byte[] bytes -> bytes(bytes);
             case List<?> list -> {
                 beginList(list.size());
                 list.forEach(this::value);

@@ -193,6 +193,12 @@ final class Observatory {
         int eye = everything.indexOf(body);
         Seen[] shown = sensed.computeIfAbsent(Shown.by(sensor), unknown -> new Seen[items.length]);
         gatheredCount = 0;
+        if (sensor.isCamera()) {
+            if (eye >= 0) {
+                gather(seen[eye]);
+            }
+            return gathered();
+        }
         if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited() || Double.isInfinite(sensor.range())) {
             for (int i = 0; i < items.length; i++) {
                 add(sensor, eye, i, shown);

@@ -121,6 +121,9 @@ final class SensedWorld {
 
     /** Whether a sensor of the body in one row senses the item in another. */
     boolean senses(Sensor sensor, int body, int row) {
+        if (sensor.isCamera()) {
+            return false;
+        }
         return sensor.touch() ? gapSquared(body, row) <= sensor.range() * sensor.range() : sees(sensor, body, row);
     }
 

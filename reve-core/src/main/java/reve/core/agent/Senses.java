@@ -31,6 +31,15 @@ final class Senses {
         this.sensors = sensors;
     }
 
+    ItemId body() {
+        return body;
+    }
+
+    /** The body's camera of that name. */
+    Optional<Sensor> camera(String name) {
+        return sensors.stream().filter(sensor -> sensor.isCamera() && sensor.name().equals(name)).findFirst();
+    }
+
     /** What the agent perceives now: what each sensor senses, or sensed when it was its turn. */
     View look(Observatory world) {
         View all = world.everything();

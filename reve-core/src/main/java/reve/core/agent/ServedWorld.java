@@ -57,6 +57,10 @@ final class ServedWorld implements AutoCloseable {
         return lockStep;
     }
 
+    Cameras cameras() {
+        return port.cameras();
+    }
+
     /** True if nobody can come in any more. */
     boolean hasEnded() {
         return ended;

@@ -33,6 +33,9 @@ sealed interface ServerMessage {
 
     record Refused(long id, String code, String reason) implements ServerMessage {}
 
+    /** What one of the agent's cameras saw. */
+    record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}
+
     /** @param fields String, Number, Boolean or a List of these by name */
     record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {}
 
@@ -67,6 +70,7 @@ sealed interface ServerMessage {
                 fields.put("code", refused.code);
                 fields.put("reason", refused.reason);
             }
+            case Image image -> putImage(image, fields);
             case Event event -> {
                 fields.put("frame", event.frame);
                 fields.put("type", event.type);
@@ -93,12 +97,28 @@ sealed interface ServerMessage {
             case Welcome welcome -> "welcome";
             case Accepted accepted -> "result";
             case Refused refused -> "result";
+            case Image image -> "image";
             case Event event -> "event";
             case Error error -> "error";
             case Ping ping -> "ping";
             case Pong pong -> "pong";
             case Bye bye -> "bye";
         };
+    }
+
+    private static void putImage(Image image, Map<String, Object> fields) {
+        Cameras.Photo photo = image.photo;
+        fields.put("frame", photo.frame());
+        fields.put("time", photo.time());
+        fields.put("sensor", image.sensor);
+        fields.put("width", photo.width());
+        fields.put("height", photo.height());
+        photo.colour().ifPresent(bytes -> fields.put("colour", bytes));
+        photo.depth().ifPresent(bytes -> fields.put("depth", bytes));
+        photo.items().ifPresent(bytes -> {
+            fields.put("items", bytes);
+            fields.put("names", photo.names());
+        });
     }
 
     private static void putWelcome(Welcome welcome, Map<String, Object> fields) {

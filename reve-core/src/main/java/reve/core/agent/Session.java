@@ -2,10 +2,13 @@ package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
+import java.util.HashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
+import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
 
 /**
@@ -31,6 +34,9 @@ final class Session {
 
     /** The event loop's thread; null for who perceives everything. */
     private @Nullable Senses senses;
+    /** The event loop's thread: whether a picture is being taken, and the frame of each camera's last one. */
+    private boolean looking;
+    private final Map<String, Long> looked = new HashMap<>();
 
     // Guarded by this.
     private final CommandLog commands = new CommandLog();
@@ -251,6 +257,48 @@ final class Session {
 
     void perceive(ClientMessage.Perceive perceive) throws BadMessage {
         perceptions.ask(perceive, world.publisher().published());
+    }
+
+    /** Has a picture taken by a camera of its body, and sent. */
+    void look(ClientMessage.Look look) throws BadMessage {
+        Sensor camera = Optional.ofNullable(senses).flatMap(its -> its.camera(look.sensor()))
+                .orElseThrow(() -> new BadMessage(look.id(), "no-such-camera", this + " has no camera "
+                        + Text.quote(look.sensor()), "the world file says which sensors a body has"));
+        if (looking) {
+            throw new BadMessage(look.id(), "look-pending", "the picture asked for before is still on its way",
+                    "wait for it");
+        }
+        long next = looked.getOrDefault(camera.name(), Long.MIN_VALUE / 2) + camera.every();
+        if (world.publisher().published() < next) {
+            throw new BadMessage(look.id(), "not-yet", "the camera " + Text.quote(camera.name())
+                    + " takes a picture every " + camera.every() + " frames", "look again from frame " + next + " on");
+        }
+        looking = true;
+        world.cameras().take(senses.body(), camera, new Cameras.Answer() {
+            @Override
+            public void taken(Cameras.Photo photo) {
+                world.publisher().later(() -> {
+                    looked.put(camera.name(), photo.frame());
+                    show(new ServerMessage.Image(look.id(), camera.name(), photo));
+                });
+            }
+
+            @Override
+            public void failed(String reason) {
+                world.publisher().later(() -> show(new ServerMessage.Error(look.id(), "no-picture", reason, "try again")));
+            }
+        });
+    }
+
+    private void show(ServerMessage answer) {
+        looking = false;
+        boolean room;
+        synchronized (this) {
+            room = offer(answer);
+        }
+        if (!room) {
+            end(Ending.cut("too-slow", "a picture waits to be read, and too much else"));
+        }
     }
 
     /** Has a command done, unless it was given before. */

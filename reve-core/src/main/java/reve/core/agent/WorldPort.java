@@ -18,6 +18,7 @@ import reve.core.world.SnapshotRing;
  * @param snapshots what agents perceive
  * @param loop makes the frames
  * @param control what else clients of the role control may do
+ * @param cameras takes the pictures of bodies' cameras
  */
 public record WorldPort(String world, int framesPerSecond, AgentPolicy agents, FrameBus bus, CommandQueue commands,
-        SnapshotRing snapshots, FrameLoop loop, WorldControl control) {}
+        SnapshotRing snapshots, FrameLoop loop, WorldControl control, Cameras cameras) {}

@@ -113,14 +113,24 @@ public final class ItemWriter {
         if (sensor.lineOfSight()) {
             tree.put("lineOfSight", true);
         }
+        sensor.camera().ifPresent(camera -> tree.put("camera", camera(camera)));
         if (sensor.every() != 1) {
             tree.put("every", YamlWriter.Numeral.of(sensor.every()));
         }
         sensor.symbols().ifPresent(names -> tree.put("symbols", List.copyOf(names)));
-        if (sensor.aspects().size() < Sensor.Aspect.values().length) {
+        if (!sensor.isCamera() && sensor.aspects().size() < Sensor.Aspect.values().length) {
             tree.put("aspects", sensor.aspects().stream().sorted()
                     .map(aspect -> aspect.name().toLowerCase(Locale.ROOT)).toList());
         }
+        return tree;
+    }
+
+    private static Map<String, Object> camera(Sensor.Camera camera) {
+        Map<String, Object> tree = new LinkedHashMap<>();
+        tree.put("size", List.of(YamlWriter.Numeral.of(camera.width()),
+                YamlWriter.Numeral.of(camera.height())));
+        tree.put("layers", camera.layers().stream().sorted()
+                .map(layer -> layer.name().toLowerCase(Locale.ROOT)).toList());
         return tree;
     }
 

@@ -7,12 +7,17 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.SortedSet;
 import java.util.TreeSet;
+import java.util.function.Supplier;
 import reve.core.unit.Unit;
 import reve.core.world.Sensor;
 import reve.core.world.Sensor.Aspect;
+import reve.core.world.Sensor.Camera;
+import reve.core.world.Sensor.Layer;
 
 /** Reads the {@code sensors} of a body. */
 final class SensorReader {
+    private static final String TOUCHES = "a sensor with `touch: true` does not look";
+    private static final double CAMERA_FIELD_OF_VIEW = Math.toRadians(60);
     private static final Unit METRE = Unit.parse("m");
 
     private final Problems problems;
@@ -25,10 +30,39 @@ final class SensorReader {
 
     /** One sensor; empty and a problem noted if it cannot be. */
     Optional<Sensor> read(Node node) {
+        Optional<Node> camera = node.get("camera");
+        return camera.isPresent() ? readCamera(node, camera.get()) : readSense(node);
+    }
+
+    private Optional<Sensor> readCamera(Node node, Node camera) {
+        for (String key : List.of("touch", "lineOfSight", "symbols", "aspects")) {
+            refuse(node, key, "a camera sends pictures and senses no items");
+        }
+        Optional<double[]> size = camera.get("size")
+                .flatMap(pixels -> quantities.numbers(pixels, 2, Unit.ONE));
+        Optional<Double> range = number(node, "range", METRE, Double.POSITIVE_INFINITY);
+        Optional<Double> field = number(node, "fieldOfView", Unit.ONE, CAMERA_FIELD_OF_VIEW);
+        if (size.isEmpty() || range.isEmpty() || field.isEmpty()) {
+            return Optional.empty();
+        }
+        return checked(node, () -> Sensor.camera(node.key(), field.get(), new Camera(
+                whole(size.get()[0]), whole(size.get()[1]), camera.get("layers")
+                        .map(SensorReader::layers).orElse(EnumSet.of(Layer.COLOUR))))
+                .withRange(range.get()).withEvery(every(node)));
+    }
+
+    private static int whole(double pixels) {
+        if (pixels != Math.rint(pixels)) {
+            throw new IllegalArgumentException("camera: " + pixels + " is no number of pixels");
+        }
+        return (int) pixels;
+    }
+
+    private Optional<Sensor> readSense(Node node) {
         boolean touch = node.get("touch").flatMap(Node::truth).orElse(false);
         if (touch) {
-            refuseForTouch(node, "fieldOfView");
-            refuseForTouch(node, "lineOfSight");
+            refuse(node, "fieldOfView", TOUCHES);
+            refuse(node, "lineOfSight", TOUCHES);
         }
         Optional<Double> range = number(node, "range", METRE,
                 touch ? Sensor.TOUCH_RANGE : Double.POSITIVE_INFINITY);
@@ -36,22 +70,29 @@ final class SensorReader {
         if (range.isEmpty() || field.isEmpty()) {
             return Optional.empty();
         }
+        return checked(node, () -> new Sensor(node.key(), touch, range.get(), field.get(),
+                node.get("lineOfSight").flatMap(Node::truth).orElse(false), every(node),
+                node.get("symbols").map(SensorReader::names),
+                node.get("aspects").map(SensorReader::aspects)
+                        .orElse(EnumSet.allOf(Aspect.class)), Optional.empty()));
+    }
+
+    private Optional<Sensor> checked(Node node, Supplier<Sensor> sensor) {
         try {
-            return Optional.of(new Sensor(node.key(), touch, range.get(), field.get(),
-                    node.get("lineOfSight").flatMap(Node::truth).orElse(false),
-                    node.get("every").flatMap(Node::number).map(Double::intValue).orElse(1),
-                    node.get("symbols").map(SensorReader::names),
-                    node.get("aspects").map(SensorReader::aspects)
-                            .orElse(EnumSet.allOf(Aspect.class))));
+            return Optional.of(sensor.get());
         } catch (IllegalArgumentException refused) {
             problems.add(node, refused.getMessage());
             return Optional.empty();
         }
     }
 
-    private void refuseForTouch(Node node, String key) {
+    private static int every(Node node) {
+        return node.get("every").flatMap(Node::number).map(Double::intValue).orElse(1);
+    }
+
+    private void refuse(Node node, String key, String why) {
         node.get(key).ifPresent(unused -> problems.addAtKey(unused,
-                key + ": a sensor with `touch: true` does not look; leave it out"));
+                key + ": " + why + "; leave it out"));
     }
 
     private Optional<Double> number(Node node, String key, Unit unit, double otherwise) {
@@ -63,6 +104,12 @@ final class SensorReader {
         var names = new TreeSet<String>();
         list.children().forEach(name -> name.text().ifPresent(names::add));
         return names;
+    }
+
+    private static Set<Layer> layers(Node list) {
+        var layers = EnumSet.noneOf(Layer.class);
+        names(list).forEach(name -> layers.add(Layer.valueOf(name.toUpperCase(Locale.ROOT))));
+        return layers;
     }
 
     private static Set<Aspect> aspects(Node list) {

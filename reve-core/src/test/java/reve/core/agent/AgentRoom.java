@@ -67,7 +67,8 @@ final class AgentRoom implements AutoCloseable {
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
         loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
         server = AgentServer.start(config, List.of(new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
-                new RoomControl(world, loop))));
+                new RoomControl(world, loop),
+                (body, camera, answer) -> cameras.take(body, camera, answer))));
     }
 
     static AgentPolicy lending(String... bodies) {

@@ -62,7 +62,7 @@ class RightsModelTest {
             if (sensing) {
                 Sensor eyes = Sensor.sight("eyes", NEAR);
                 item.sensor(sensesActions ? eyes : new Sensor("eyes", false, NEAR, Sensor.ALL_ROUND, false, 1,
-                        Optional.empty(), EnumSet.of(Sensor.Aspect.PHYSICAL, Sensor.Aspect.SEMANTIC)));
+                        Optional.empty(), EnumSet.of(Sensor.Aspect.PHYSICAL, Sensor.Aspect.SEMANTIC), Optional.empty()));
             }
             needs.forEach((action, capable) -> item.action(new DeclaredAction(action, "Pushes it.",
                     action.equals("throw") ? List.of(IMPULSE, OTHER) : List.of(IMPULSE),

@@ -43,7 +43,7 @@ class SeveralWorldsTest {
                     event -> snapshots.publish(event.frame(), event.timeSeconds()));
             loop = new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST);
             port = new WorldPort(name, 60, AgentRoom.making(), bus, commands, snapshots, loop,
-                    new RoomControl(world, loop));
+                    new RoomControl(world, loop), Cameras.none());
         }
     }
 

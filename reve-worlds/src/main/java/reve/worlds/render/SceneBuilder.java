@@ -26,8 +26,15 @@ import reve.core.world.WorldSnapshot;
  * @param environment background and light
  * @param camera where from, or empty to see all bodies but planes; it needs their bounding boxes,
  *     which DERIVE computes
+ * @param without a body that is not shown, such as the one that carries the camera
  */
-public record SceneBuilder(ImageFormat image, Environment environment, Optional<Camera> camera) {
+public record SceneBuilder(ImageFormat image, Environment environment, Optional<Camera> camera,
+        Optional<ItemId> without) {
+
+    /** Shows all bodies. */
+    public SceneBuilder(ImageFormat image, Environment environment, Optional<Camera> camera) {
+        this(image, environment, camera, Optional.empty());
+    }
 
     private static final ValueLayout.OfDouble DOUBLE = ValueLayout.JAVA_DOUBLE;
     private static final ValueLayout.OfFloat FLOAT = ValueLayout.JAVA_FLOAT;
@@ -71,6 +78,32 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         }
         throw new RenderException("the snapshot of frame " + snapshot.frame()
                 + " was overwritten while it was read; take a newer one");
+    }
+
+    /**
+     * The view from a body's origin along its own +Z axis, with its own +Y axis up.
+     *
+     * @param verticalFovRadians see {@link Camera#extent()}
+     * @return empty if there is no such body
+     */
+    public static Optional<Camera> viewOf(WorldSnapshot snapshot, ItemId body,
+            double verticalFovRadians) {
+        TableSnapshot bodies = snapshot.table(WorldPrototype.BODY);
+        int row = bodies.rowOf(body);
+        if (row < 0) {
+            return Optional.empty();
+        }
+        var position = new Reals(bodies, "position");
+        var orientation = new Reals(bodies, "orientation");
+        var eye = new Point(position.at(3L * row), position.at(3L * row + 1), position.at(3L * row + 2));
+        double x = orientation.at(4L * row);
+        double y = orientation.at(4L * row + 1);
+        double z = orientation.at(4L * row + 2);
+        double w = orientation.at(4L * row + 3);
+        // The second and the third column of the rotation matrix.
+        var up = new Point(2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x));
+        var ahead = new Point(2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y));
+        return Optional.of(Camera.perspective(eye, eye.plus(1, ahead), up, verticalFovRadians));
     }
 
     /**
@@ -184,7 +217,8 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
     }
 
     /** Returns whether one of them is a plane. */
-    private static boolean addBodies(Scene scene, TableSnapshot bodies, WorldSnapshot snapshot) {
+    private boolean addBodies(Scene scene, TableSnapshot bodies, WorldSnapshot snapshot) {
+        int hidden = without.map(bodies::rowOf).orElse(-1);
         var position = new Reals(bodies, "position");
         var orientation = new Reals(bodies, "orientation");
         var size = new Reals(bodies, "size");
@@ -194,7 +228,7 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         for (int row = 0; row < bodies.rowCount(); row++) {
             int code = shape.getAtIndex(INT, row);
             int rgba = colour.getAtIndex(INT, row);
-            if (code == Shape.NONE || isHidden(rgba)) {
+            if (code == Shape.NONE || isHidden(rgba) || row == hidden) {
                 continue;
             }
             long at = row * 3L;

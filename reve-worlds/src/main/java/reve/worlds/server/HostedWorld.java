@@ -14,9 +14,11 @@ import reve.core.frame.FrameEvent;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawFolder;
+import reve.worlds.Product;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.render.Renderer;
 
 /**
  * A world of a server, with what keeps it and what is dropped into it. Whoever calls a method owns
@@ -30,6 +32,7 @@ final class HostedWorld implements AutoCloseable {
     private final Optional<StoredWorld> stored;
     private final Simulation simulation;
     private final ServerControl control;
+    private final BodyCameras cameras;
     private final @Nullable LawFolder laws;
 
     /**
@@ -52,6 +55,8 @@ final class HostedWorld implements AutoCloseable {
                     simulation.physics().laws(), simulation.commands()))).orElse(null);
             control = closing.add(new ServerControl(simulation, plan.pictures(),
                     plan.persistence().saves(), events));
+            cameras = closing.add(new BodyCameras(simulation.snapshots(),
+                    new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)));
             plan.pictures().subscribeTo(simulation, events);
             simulation.onPublish("server events", this::tellEvents);
             keepJournals(pacing == Pacing.FAST);
@@ -103,7 +108,7 @@ final class HostedWorld implements AutoCloseable {
     WorldPort port() {
         return new WorldPort(name(), plan.description().timing().framesPerSecond(),
                 plan.description().agents(), simulation.bus(), simulation.commands(),
-                simulation.snapshots(), simulation.loop(), control);
+                simulation.snapshots(), simulation.loop(), control, cameras);
     }
 
     /** Begins to watch the laws folder, and says that the world is ready. */

@@ -1,0 +1,40 @@
+package reve.core.agent;
+
+import java.util.List;
+import java.util.Optional;
+import reve.core.world.ItemId;
+import reve.core.world.Sensor;
+
+/** Takes the pictures of cameras that bodies carry. */
+public interface Cameras {
+
+    /**
+     * What a camera saw, row by row from the top; numbers are little-endian.
+     *
+     * @param time of the world [s]
+     * @param width [px]
+     * @param height [px]
+     * @param colour red, green and blue in sRGB, a byte each
+     * @param depth along the view [m], f32; 0 where nothing is in range
+     * @param items u16; 0 where no item is in range, else its place in the names, from 1
+     * @param names of the items that are seen
+     */
+    record Photo(long frame, double time, int width, int height, Optional<byte[]> colour,
+            Optional<byte[]> depth, Optional<byte[]> items, List<String> names) {}
+
+    /** Told once how it went, on any thread. */
+    interface Answer {
+        void taken(Photo photo);
+
+        /** @param reason for the agent */
+        void failed(String reason);
+    }
+
+    /** Takes a picture of the newest frame. Any thread; returns at once. */
+    void take(ItemId body, Sensor camera, Answer answer);
+
+    /** None at all. */
+    static Cameras none() {
+        return (body, camera, answer) -> answer.failed("this server takes no pictures");
+    }
+}
