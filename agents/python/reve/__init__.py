@@ -9,6 +9,7 @@ from .client import Agent, Control, connect, control
 from .protocol import (
     Bye,
     Event,
+    Image,
     Item,
     Limits,
     Parameter,
@@ -27,6 +28,7 @@ __all__ = [
     "Control",
     "Disconnected",
     "Event",
+    "Image",
     "Item",
     "Limits",
     "Parameter",

@@ -30,6 +30,7 @@ from .protocol import (
     Bye,
     Error,
     Event,
+    Image,
     Item,
     Message,
     Perception,
@@ -187,6 +188,10 @@ class Agent:
                 yield perception
         finally:
             self._unsubscribe(number)
+
+    def look(self, sensor: str) -> Image:
+        """What one of our body's cameras sees now; ReveError with the server's code if there is no picture."""
+        return self._ask(lambda number: protocol.look(number, sensor), Image)
 
     def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
         """Asks the item to do one of its actions and waits for the outcome.
@@ -359,7 +364,7 @@ class Agent:
             elif isinstance(message, (Perception, Update)) and message.id == self._subscription:
                 self._show(message)
                 self._has_seen(message.frame)
-            elif isinstance(message, (Perception, Result, Pong, Error)):
+            elif isinstance(message, (Perception, Image, Result, Pong, Error)):
                 self._answer(message)
             self._changed.notify_all()
 
@@ -383,7 +388,7 @@ class Agent:
             self._known = self._known.updated(message)
         self._latest = self._known
 
-    def _answer(self, message: Union[Perception, Result, Pong, Error]) -> None:
+    def _answer(self, message: Union[Perception, Image, Result, Pong, Error]) -> None:
         if isinstance(message, Perception) and message.id not in self._ahead:
             self._has_seen(message.frame)
         if message.id is not None and message.id in self._waiting:

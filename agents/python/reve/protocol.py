@@ -5,6 +5,7 @@ The protocol is described in agents/protocol/PROTOCOL.md.
 
 from __future__ import annotations
 
+import base64
 import dataclasses
 import json
 import math
@@ -187,6 +188,36 @@ class Result:
 
 
 @dataclass(frozen=True)
+class Image:
+    """What a camera saw, row by row from the top; numbers are little-endian.
+
+    `colour` is red, green and blue in sRGB, a byte each; `depth` [m] 32-bit floats along the view, 0 where nothing is
+    in range; `items` 16 bits, 0 for no item, else its place in `names`, from 1. Layers that the camera lacks are None.
+    With numpy: `numpy.frombuffer(image.colour, "u1").reshape(image.height, image.width, 3)`, `"<f4"` for the depth
+    and `"<u2"` for the items.
+    """
+
+    id: int
+    frame: int
+    time: float
+    sensor: str
+    width: int
+    height: int
+    colour: Optional[bytes] = None
+    depth: Optional[bytes] = None
+    items: Optional[bytes] = None
+    names: Tuple[str, ...] = ()
+
+    def find(self, x: int, y: int) -> Optional[str]:
+        """The name of the item at that pixel, counted from the upper left."""
+        if self.items is None:
+            raise ValueError(f"the camera {self.sensor} does not tell items")
+        at = 2 * (y * self.width + x)
+        number = int.from_bytes(self.items[at : at + 2], "little")
+        return self.names[number - 1] if number > 0 else None
+
+
+@dataclass(frozen=True)
 class Event:
     """Something happened in the world in that frame."""
 
@@ -229,7 +260,7 @@ class Bye:
     hint: Optional[str]
 
 
-ServerMessage = Union[Welcome, Perception, Update, Result, Event, Error, Ping, Pong, Bye]
+ServerMessage = Union[Welcome, Perception, Update, Image, Result, Event, Error, Ping, Pong, Bye]
 
 
 def hello(
@@ -287,6 +318,10 @@ def perceive(id: int, every: Optional[int] = None, relations: bool = False) -> M
     if relations:
         message["relations"] = True
     return message
+
+
+def look(id: int, sensor: str) -> Message:
+    return {"t": "look", "id": id, "sensor": sensor}
 
 
 def act(id: int, item: str, action: str, arguments: Mapping[str, Argument]) -> Message:
@@ -454,6 +489,25 @@ def _perception(message: Message) -> Union[Perception, Update]:
     )
 
 
+def _image(message: Message) -> Image:
+    return Image(
+        id=message["id"],
+        frame=message["frame"],
+        time=message["time"],
+        sensor=message["sensor"],
+        width=message["width"],
+        height=message["height"],
+        colour=_bytes(message.get("colour")),
+        depth=_bytes(message.get("depth")),
+        items=_bytes(message.get("items")),
+        names=tuple(message.get("names", ())),
+    )
+
+
+def _bytes(value: Union[str, bytes, None]) -> Optional[bytes]:
+    return base64.b64decode(value, validate=True) if isinstance(value, str) else value
+
+
 def _result(message: Message) -> Result:
     if message["accepted"]:
         return Result(message["id"], True, frame=message["frame"])
@@ -463,6 +517,7 @@ def _result(message: Message) -> Result:
 _READERS: Mapping[str, Callable[[Message], ServerMessage]] = {
     "welcome": _welcome,
     "perception": _perception,
+    "image": _image,
     "result": _result,
     "event": lambda m: Event(m["frame"], m["type"], m["fields"]),
     "error": lambda m: Error(m.get("id"), m["code"], m["message"], m.get("hint")),

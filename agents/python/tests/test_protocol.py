@@ -1,5 +1,6 @@
 """The protocol's test vectors, as every client must reproduce them."""
 
+import base64
 import io
 import json
 import math
@@ -36,6 +37,12 @@ def written(message):
             del fields["resumed"]
         if message.encoding == protocol.JSON:
             del fields["encoding"]
+    if t == "image":
+        for layer in ("colour", "depth", "items"):
+            if layer in fields:
+                fields[layer] = base64.b64encode(fields[layer]).decode()
+        fields["names"] = list(message.names)
+        return {"t": t, **{k: v for k, v in fields.items() if v != []}}
     if t == "perception":
         fields["items"] = [item(i) for i in message.items]
     if t == "update":
@@ -67,6 +74,8 @@ def item(perceived):
 
 def understood(message):
     """A message of the server without what an item says by saying nothing: that it has no actions."""
+    if message["t"] == "image":
+        return message
     for one in message.get("items", []) + message.get("entered", []):
         for sensed in ("symbols", "actions"):
             if one.get(sensed) == {}:
@@ -96,6 +105,8 @@ def said(message):
         )
     if t == "perceive":
         return protocol.perceive(message["id"], message.get("every"), message.get("relations", False))
+    if t == "look":
+        return protocol.look(message["id"], message["sensor"])
     if t == "act":
         act = protocol.act(message["id"], message["item"], message["action"], message["arguments"])
         return protocol.and_ready(act, message.get("frame")) if message.get("ready") else act

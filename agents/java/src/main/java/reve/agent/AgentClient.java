@@ -170,6 +170,16 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
+     * What one of the body's cameras sees now.
+     *
+     * @throws AgentException with the server's code if there is no picture
+     */
+    public Image look(String sensor) {
+        long id = nextId();
+        return ask(id, Protocol.look(id, sensor), Image.class);
+    }
+
+    /**
      * Asks an item to do one of its actions and waits for the outcome. A refusal is a result, no exception.
      *
      * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a Boolean, in the
@@ -381,6 +391,7 @@ public final class AgentClient implements AutoCloseable {
                 }
                 answer(error.id(), error);
             }
+            case Image image -> answer(OptionalLong.of(image.id()), image);
             case ActResult result -> answer(OptionalLong.of(result.id()), result);
             case Perception perception -> show(perception);
             case Update update -> show(update);

@@ -77,7 +77,8 @@ final class Packed {
             case STRING -> NODES.stringNode(unpacker.unpackString());
             case ARRAY -> list(unpacker);
             case MAP -> map(unpacker);
-            case BINARY, EXTENSION -> throw new IOException("the server sent a value that JSON has no form of");
+            case BINARY -> NODES.binaryNode(unpacker.readPayload(unpacker.unpackBinaryHeader()));
+            case EXTENSION -> throw new IOException("the server sent a value that JSON has no form of");
         };
     }
 

@@ -1,6 +1,8 @@
 package reve.agent;
 
 import java.io.IOException;
+import java.nio.ByteBuffer;
+import java.nio.ByteOrder;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -78,6 +80,10 @@ final class Protocol {
     /** @param every frames between perceptions, 0 for no more */
     static ObjectNode perceive(long id, int every) {
         return message("perceive").put("id", id).put("every", every);
+    }
+
+    static ObjectNode look(long id, String sensor) {
+        return message("look").put("id", id).put("sensor", sensor);
     }
 
     static ObjectNode act(long id, String item, String action, Map<String, ?> arguments) {
@@ -188,6 +194,7 @@ final class Protocol {
             case "perception" -> message.has("since") ? update(message) : new Perception(id(message),
                     message.required("frame").longValue(), message.required("time").doubleValue(),
                     list(message.required("items"), Protocol::item));
+            case "image" -> image(message);
             case "result" -> result(message);
             case "event" -> new WorldEvent(message.required("frame").longValue(), text(message, "type"),
                     map(message.required("fields"), Protocol::value));
@@ -232,6 +239,18 @@ final class Protocol {
     private static LockStep lockStep(JsonNode time) {
         return LockStep.every(time.required("every").intValue()).withDeadline(
                 Duration.ofNanos(Math.round(1e9 * time.required("deadline").doubleValue())));
+    }
+
+    private static Image image(JsonNode message) {
+        return new Image(message.required("id").longValue(), message.required("frame").longValue(),
+                message.required("time").doubleValue(), text(message, "sensor"),
+                message.required("width").intValue(), message.required("height").intValue(),
+                message.optional("colour").map(Protocol::bytes), message.optional("depth").map(Protocol::bytes),
+                message.optional("items").map(Protocol::bytes), list(message.path("names"), JsonNode::stringValue));
+    }
+
+    private static ByteBuffer bytes(JsonNode layer) {
+        return ByteBuffer.wrap(layer.binaryValue()).asReadOnlyBuffer().order(ByteOrder.LITTLE_ENDIAN);
     }
 
     private static ActResult result(JsonNode message) {

@@ -5,7 +5,7 @@ import java.util.OptionalLong;
 
 /** What a server says. Closed: an agent that meets anything else speaks another protocol version. */
 public sealed interface ServerMessage
-        permits Welcome, Perception, Update, ActResult, WorldEvent, ServerMessage.Error, ServerMessage.Ping,
+        permits Welcome, Perception, Update, Image, ActResult, WorldEvent, ServerMessage.Error, ServerMessage.Ping,
         ServerMessage.Pong, ServerMessage.Bye {
 
     /** A message was refused; the connection goes on. */

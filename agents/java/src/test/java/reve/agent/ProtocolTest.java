@@ -6,11 +6,13 @@ import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException
 
 import java.io.IOException;
 import java.nio.ByteBuffer;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.Base64;
 import java.util.HexFormat;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -147,6 +149,7 @@ class ProtocolTest {
                         message.get("action").stringValue(), arguments);
                 yield message.has("ready") ? Protocol.andReady(act, frame(message)) : act;
             }
+            case "look" -> Protocol.look(id, message.get("sensor").stringValue());
             case "ready" -> Protocol.ready(frame(message));
             case "ping" -> Protocol.ping(id);
             case "pong" -> Protocol.pong();
@@ -224,6 +227,13 @@ class ProtocolTest {
                 putIfAny(json, "entered", u.entered().stream().map(ProtocolTest::written).toList());
                 putIfAny(json, "changed", u.changed().stream().map(ProtocolTest::written).toList());
             }
+            case Image i -> {
+                json.put("t", "image").put("id", i.id()).put("frame", i.frame()).put("time", i.time());
+                json.put("sensor", i.sensor()).put("width", i.width()).put("height", i.height());
+                i.colour().ifPresent(pixels -> json.put("colour", base64(pixels)));
+                i.depth().ifPresent(pixels -> json.put("depth", base64(pixels)));
+                i.items().ifPresent(pixels -> json.put("items", base64(pixels)).set("names", JSON.valueToTree(i.names())));
+            }
             case ActResult r -> {
                 json.put("t", "result").put("id", r.id()).put("accepted", r.accepted());
                 r.frame().ifPresent(frame -> json.put("frame", frame));
@@ -242,6 +252,10 @@ class ProtocolTest {
                     "hint", b.hint());
         }
         return JSON.readTree(json.toString());
+    }
+
+    private static String base64(ByteBuffer bytes) {
+        return StandardCharsets.ISO_8859_1.decode(Base64.getEncoder().encode(bytes.duplicate())).toString();
     }
 
     private static void putIfAny(ObjectNode json, String field, List<JsonNode> values) {

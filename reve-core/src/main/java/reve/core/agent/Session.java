@@ -268,8 +268,10 @@ final class Session {
             throw new BadMessage(look.id(), "look-pending", "the picture asked for before is still on its way",
                     "wait for it");
         }
-        long next = looked.getOrDefault(camera.name(), Long.MIN_VALUE / 2) + camera.every();
-        if (world.publisher().published() < next) {
+        long before = looked.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
+        long next = before + camera.every();
+        long published = world.publisher().published();
+        if (published > before && published < next) {
             throw new BadMessage(look.id(), "not-yet", "the camera " + Text.quote(camera.name())
                     + " takes a picture every " + camera.every() + " frames", "look again from frame " + next + " on");
         }

@@ -1,0 +1,32 @@
+package reve.agent;
+
+import java.nio.ByteBuffer;
+import java.util.List;
+import java.util.Optional;
+
+/**
+ * What a camera saw, row by row from the top. Buffers are read-only and little-endian; layers that
+ * the camera lacks are empty.
+ *
+ * @param id of the question
+ * @param time of the world [s]
+ * @param sensor the camera
+ * @param width [px]
+ * @param height [px]
+ * @param colour red, green and blue in sRGB, a byte each
+ * @param depth along the view [m], f32; 0 where nothing is in range
+ * @param items u16; 0 for no item, else its place in the names, from 1
+ * @param names of the items that are seen
+ */
+public record Image(long id, long frame, double time, String sensor, int width, int height,
+        Optional<ByteBuffer> colour, Optional<ByteBuffer> depth, Optional<ByteBuffer> items,
+        List<String> names) implements ServerMessage {
+
+    /** The name of the item at a pixel, counted from the upper left. */
+    public Optional<String> find(int x, int y) {
+        ByteBuffer numbers = items.orElseThrow(() -> new IllegalStateException(
+                "the camera " + sensor + " does not tell items"));
+        int number = Short.toUnsignedInt(numbers.getShort(2 * (y * width + x)));
+        return number > 0 ? Optional.of(names.get(number - 1)) : Optional.empty();
+    }
+}
