@@ -43,6 +43,8 @@ final class AgentRoom implements AutoCloseable {
     final CommandQueue commands;
     final FrameLoop loop;
     final AgentServer server;
+    /** Any thread. */
+    volatile Cameras cameras = Cameras.none();
 
     AgentRoom() throws IOException {
         this(CONFIG);
