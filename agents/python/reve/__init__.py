@@ -7,11 +7,13 @@
 
 from .client import Agent, Control, connect, control
 from .protocol import (
+    Act,
     Bye,
     Event,
     Image,
     Item,
     Limits,
+    LockStep,
     Parameter,
     Perception,
     Result,
@@ -23,6 +25,7 @@ from .protocol import (
 from .errors import Disconnected, ProtocolError, ReveError
 
 __all__ = [
+    "Act",
     "Agent",
     "Bye",
     "Control",
@@ -31,6 +34,7 @@ __all__ = [
     "Image",
     "Item",
     "Limits",
+    "LockStep",
     "Parameter",
     "Perception",
     "ProtocolError",

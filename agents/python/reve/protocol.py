@@ -122,12 +122,15 @@ class Item:
 
 @dataclass(frozen=True)
 class Perception:
-    """All items that we perceive in one frame; `time` is the world's [s]."""
+    """All items that we perceive in one frame; `time` is the world's [s]. In lock-step `results` are those of what
+    was done in the round before, in order.
+    """
 
     id: Optional[int]
     frame: int
     time: float
     items: Tuple[Item, ...]
+    results: Tuple[Result, ...] = ()
 
     def find(self, name: str) -> Optional[Item]:
         """The item of that name, if it was perceived."""

@@ -235,6 +235,62 @@ class AgentTest(unittest.TestCase):
             acted = [e for e in pam.events() if e.type == "acted" and e.fields["agent"] == "pam"]
             self.assertEqual(len(acted), 5)
 
+    def test_an_agent_in_lock_step_perceives_what_its_acts_made_of_the_next_frame(self):
+        with self.join("una", time=reve.LockStep(deadline=5.0)) as una:
+            self.assertEqual(una.welcome.time.deadline, 5.0)
+            before = una.observe()
+            self.assertEqual(before.frame, una.welcome.frame)
+            for number in range(20):
+                after = una.step(reve.Act("duck", "paint", {"colour": f"shade {number}"}), reve.Act("swan", "paint"))
+                self.assertEqual(after.frame, before.frame + 1)
+                self.assertEqual(after.find("duck").symbols["colour"], f"shade {number}")
+                self.assertEqual([result.code for result in after.results], [None, "no-such-item"])
+                before = after
+            self.assertEqual(una.step().frame, before.frame + 1)
+            self.assertEqual([e for e in una.events() if e.type == "late"], [])
+
+    def test_rounds_of_several_frames_and_several_agents(self):
+        with self.join("wim", time=reve.LockStep(deadline=0.0)) as wim:
+            with self.join("vic", time=reve.LockStep(every=3, deadline=5.0)) as vic:
+                frame = vic.observe().frame
+                wim.ready(reve.Act("duck", "push", {"impulse": [0.0, 0.0, 0.0]}))
+                self.assertEqual(vic.step().frame, frame + 3)
+                self.assertTrue(all(wim.observe().results))
+
+    def test_who_is_late_is_told_and_catches_up(self):
+        with self.join("xia", time=reve.LockStep(deadline=0.01, fallback=reve.Act("duck", "paint", {"colour": "late"}))) as xia:
+            first = xia.observe()
+            later = xia.observe(first.frame + 5)
+            self.assertGreaterEqual(later.frame, first.frame + 5)
+            self.assertEqual(later.find("duck").symbols["colour"], "late")
+            self.assertTrue(xia.step(reve.Act("duck", "paint", {"colour": "red"})).results[0])
+            late = [e for e in xia.events() if e.type == "late"]
+            self.assertGreaterEqual(len(late), 5)
+            self.assertEqual([e.fields["count"] for e in late], list(range(1, len(late) + 1)))
+
+    def test_an_agent_in_lock_step_goes_on_after_a_break(self):
+        with self.join("yan", time=reve.LockStep(deadline=5.0), grace=20.0) as yan:
+            perception = yan.observe()
+            for number in range(5):
+                yan._socket.shutdown(socket.SHUT_RDWR)
+                after = yan.step(reve.Act("duck", "paint", {"colour": f"shade {number}"}))
+                self.assertGreater(after.frame, perception.frame)
+                self.assertTrue(after.results[0])
+                perception = after
+            acted = [e for e in yan.events() if e.type == "acted" and e.fields["agent"] == "yan"]
+            self.assertEqual(len(acted), 5)
+
+    def test_only_who_is_in_lock_step_steps(self):
+        with self.join("zoe") as zoe:
+            for call in (zoe.step, zoe.ready, zoe.observe):
+                with self.assertRaises(reve.ReveError) as raised:
+                    call()
+                self.assertEqual(raised.exception.code, "not-lock-step")
+        with self.join("abe", time=reve.LockStep()) as abe:
+            with self.assertRaises(reve.ReveError) as raised:
+                next(abe.perceptions())
+            self.assertEqual(raised.exception.code, "lock-step")
+
     def test_the_curious_example_follows_and_pushes_what_is_interesting(self):
         example = subprocess.run(
             [sys.executable, str(PACKAGE / "examples" / "curious.py"), "--port", str(self.port), "--seconds", "0.5",

@@ -20,7 +20,7 @@ except ImportError:
 def written(message):
     """The JSON that a server must have sent for the client to understand this message."""
     t = type(message).__name__.lower()
-    fields = {name: value for name, value in vars(message).items() if value is not None}
+    fields = {name: value for name, value in vars(message).items() if value is not None and name != "results"}
     if t == "welcome":
         limits = fields.pop("limits")
         fields["limits"] = {

@@ -1,6 +1,7 @@
 package reve.core.agent;
 
 import java.util.Arrays;
+import java.util.concurrent.atomic.AtomicInteger;
 import java.util.function.BooleanSupplier;
 import java.util.function.Consumer;
 import reve.core.frame.FrameClock;
@@ -21,6 +22,8 @@ final class LockStep implements FrameGate {
 
     /** Never changed, only replaced, with this held. */
     private volatile Turn[] turns = NOBODY;
+    /** How many wait to be let into the world, which takes a frame. */
+    private final AtomicInteger coming = new AtomicInteger();
     /** The frame that is held, {@link #NO_FRAME} if none is. */
     private volatile long held = NO_FRAME;
     /** Loop's thread: the frame that is due, and since when. */
@@ -59,6 +62,17 @@ final class LockStep implements FrameGate {
     }
 
     // ---- any thread ----
+
+    /** Somebody waits to be let in: agents that have not been ready yet do not keep the next frame from being made. */
+    void comes() {
+        coming.incrementAndGet();
+        wake.run();
+    }
+
+    /** Who has come is in the world, or could not be let in. */
+    void came() {
+        coming.decrementAndGet();
+    }
 
     /** An agent is in the world: from now on it is waited for. */
     synchronized void add(Turn turn) {
@@ -113,9 +127,13 @@ final class LockStep implements FrameGate {
             dueSinceNanos = nowNanoseconds;
         }
         held = frame; // before we look: who is ready from now on wakes us
+        boolean somebodyComes = coming.get() > 0;
         long wait = 0;
         for (Turn turn : turns) {
             turn.takeBack(frame);
+            if (somebodyComes) {
+                turn.putOff(frame);
+            }
             if (turn.isAwaited(frame - 1)) {
                 wait = Math.max(wait, dueSinceNanos + turn.deadlineNanos() - nowNanoseconds);
             }

@@ -19,6 +19,7 @@ final class PerceptionRequests {
     private long everyFrom;
     private boolean everyRelations;
     private @Nullable Turn turn;
+    private long told = -1;
     private long notBefore;
 
     /** @param served counts the perceptions handed over */
@@ -30,7 +31,6 @@ final class PerceptionRequests {
     /** An agent in lock-step perceives the first frame of each of its rounds, until it asks for something else. */
     synchronized void follow(Turn its, long answerTo) {
         turn = its;
-        every = its.wanted().every();
         everyId = answerTo;
         everyRelations = its.wanted().relations();
     }
@@ -99,7 +99,8 @@ final class PerceptionRequests {
             }
             served.increment();
             update(view.get(), encoding, telling);
-            everyFrom = turn == null ? frame + every : turn.next(frame);
+            everyFrom = frame + every;
+            told = frame;
         }
         return true;
     }
@@ -124,6 +125,6 @@ final class PerceptionRequests {
     }
 
     private boolean isEveryDue(long frame) {
-        return every > 0 && frame >= everyFrom && (turn == null || turn.hasBegun(frame));
+        return turn == null ? every > 0 && frame >= everyFrom : turn.isDue(frame, told);
     }
 }

@@ -120,6 +120,7 @@ final class ServedWorld implements AutoCloseable {
             sessions.remove(hello.name());
             throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");
         }
+        lockStep.comes();
         return session;
     }
 

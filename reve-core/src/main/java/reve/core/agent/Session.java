@@ -130,6 +130,7 @@ final class Session {
             turn.begin(joined.frame());
             world.lockStep().add(turn);
         }
+        world.lockStep().came();
         world.publisher().withFrame(() -> joined(outcome));
     }
 

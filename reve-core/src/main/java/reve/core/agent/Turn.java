@@ -27,6 +27,8 @@ final class Turn {
     private final AtomicLong done = new AtomicLong();
 
     private final AtomicReference<Presence> presence = new AtomicReference<>(Presence.HERE);
+    /** It has been ready at least once. */
+    private volatile boolean playing;
     /** The frame of the first round. Set on the loop's thread. */
     private volatile long origin = Long.MAX_VALUE;
 
@@ -53,11 +55,13 @@ final class Turn {
 
     /** The agent is done with the oldest round that is open. */
     void ready() {
+        playing = true;
         done.incrementAndGet();
     }
 
     /** The agent is done with what it perceived in a frame, unless that was not the last round that began. */
     void ready(long frame, long published) {
+        playing = true;
         if (frame <= published) {
             done.accumulateAndGet(rounds(frame), Math::max);
         }
@@ -86,14 +90,9 @@ final class Turn {
         return presence.get() == Presence.HERE && done.get() < rounds(frame);
     }
 
-    /** Whether the agent perceives that frame, if it is the newest. */
-    boolean hasBegun(long frame) {
-        return presence.get() == Presence.HERE && frame >= origin;
-    }
-
-    /** The frame after that one in which the next round begins. */
-    long next(long frame) {
-        return origin + rounds(frame) * wanted.every();
+    /** Whether the agent perceives a frame, having been told last of another one. */
+    boolean isDue(long frame, long told) {
+        return presence.get() == Presence.HERE && frame >= origin + rounds(told) * wanted.every();
     }
 
     private long rounds(long frame) {
@@ -120,6 +119,13 @@ final class Turn {
             missedAway = false;
             restart(frame);
             presence.compareAndSet(Presence.RETURNING, Presence.HERE);
+        }
+    }
+
+    /** Somebody comes into the world in that frame: who has not been ready yet begins with it, too. */
+    void putOff(long frame) {
+        if (!playing) {
+            restart(frame);
         }
     }
 

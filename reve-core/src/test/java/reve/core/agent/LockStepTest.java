@@ -254,6 +254,23 @@ class LockStepTest {
     }
 
     @Test
+    void whoHasNotBeenReadyYetDoesNotKeepOthersFromComing() {
+        var turn = new Turn("ada", new ClientMessage.LockStep(3, false, 1, Optional.empty()), MILLISECOND);
+        turn.begin(1);
+        lockStep.add(turn);
+        assertThat(lockStep.nanosecondsToWait(2, 0)).isEqualTo(MILLISECOND);
+        lockStep.comes();
+        assertThat(lockStep.nanosecondsToWait(2, 0)).isZero();
+        lockStep.came();
+        assertThat(turn.isDue(2, 1)).as("it begins with the others").isTrue();
+        assertThat(lockStep.nanosecondsToWait(3, 0)).isEqualTo(MILLISECOND);
+        turn.ready();
+        assertThat(lockStep.nanosecondsToWait(3, 0)).isZero();
+        lockStep.comes();
+        assertThat(lockStep.nanosecondsToWait(6, 0)).as("it plays already").isEqualTo(MILLISECOND);
+    }
+
+    @Test
     void ofTheRoundsThatABrokenConnectionCostsTheOthersHearOnce() {
         var heard = new ArrayList<AgentInput.Late>();
         var gate = new LockStep(() -> { }, heard::add, LockStep.Waiting.IDLE);

@@ -1,0 +1,294 @@
+"""What a client and a server have said to each other: no sockets, no threads. Who shares one holds a lock."""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections import deque
+from typing import Callable, Deque, Dict, List, Optional, Set, Tuple, Type, TypeVar, Union
+
+from . import protocol
+from .errors import Disconnected, ProtocolError, ReveError
+from .protocol import (
+    Act,
+    Bye,
+    Error,
+    Event,
+    Image,
+    Message,
+    Perception,
+    Ping,
+    Pong,
+    Result,
+    ServerMessage,
+    Update,
+    Welcome,
+)
+
+_EVENTS_KEPT = 1024
+
+_T = TypeVar("_T")
+
+
+class Conversation:
+    """One session, over however many connections.
+
+    What is to be sent is returned as bytes, what has come is given to `take`.
+    """
+
+    def __init__(self, greeting: Message, welcome: Welcome) -> None:
+        self.welcome = welcome
+        self.end: Optional[ReveError] = None
+        self._encoding = str(greeting.get("encoding", protocol.JSON))
+        self._token: Optional[str] = greeting.get("token")
+        self._ids = itertools.count(1)
+        self._waiting: Dict[int, Optional[ServerMessage]] = {}
+        self._unanswered: Dict[int, bytes] = {}
+        self._ahead: Set[int] = set()  # questions about frames that are not made yet
+        # The stream of perceptions: in lock-step it has no id and is there from the beginning.
+        self._streaming = welcome.time is not None
+        self._subscription: Optional[int] = None
+        self._every = 0
+        self._known: Optional[Perception] = None
+        self._latest: Optional[Perception] = None
+        self._doing: List[int] = []  # acts of the round
+        self._ready_frame = -1  # of the perception that we have been ready for
+        self._observed_frame = -1
+        self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
+        self._frame_seen = welcome.frame - 1
+        self._seen_after: List[int] = []  # frames of the events that came after the last one seen whole
+        self._known_already = 0
+
+    # ---- asking ----
+
+    def question(self, build: Callable[[int], Message]) -> Tuple[int, bytes]:
+        """A message that is answered, by its number, and as it is to be sent; or sent again after a break."""
+        self.require_open()
+        number = next(self._ids)
+        line = self.encode(build(number))
+        self._waiting[number] = None
+        self._unanswered[number] = line
+        return number, line
+
+    def fork(self, frames: int) -> Tuple[int, bytes]:
+        """Asks what would be perceived that many frames from now."""
+        number, line = self.question(lambda id: protocol.command(id, "fork", frames=frames))
+        self._ahead.add(number)
+        return number, line
+
+    def foreseen(self, number: int) -> Perception:
+        """What came in answer to `fork`; raises what the server refused."""
+        answer: object = self.answer(number, object)
+        if isinstance(answer, Perception):
+            return answer
+        if isinstance(answer, Result):
+            raise ReveError(answer.code or "refused", answer.reason or "the server does not look ahead")
+        raise ProtocolError(f"expected a perception, got {answer}")
+
+    def has_answer(self, number: int) -> bool:
+        return self._waiting[number] is not None
+
+    def answer(self, number: int, answer_type: Type[_T]) -> _T:
+        """What came in answer; raises what the server refused."""
+        answer = self._waiting[number]
+        if isinstance(answer, Error):
+            raise ReveError(answer.code, answer.message, answer.hint)
+        if not isinstance(answer, answer_type):
+            raise ProtocolError(f"expected {answer_type.__name__} {number}, got {answer}")
+        return answer
+
+    def drop(self, number: int) -> None:
+        """Nobody waits for that answer any more."""
+        self._waiting.pop(number, None)
+        self._unanswered.pop(number, None)
+        self._ahead.discard(number)
+
+    def encode(self, message: Message) -> bytes:
+        return protocol.encode(message, self._encoding)
+
+    def require_open(self) -> None:
+        if self.end is not None:
+            raise self.end
+
+    def finish(self, end: ReveError) -> None:
+        """The first reason counts."""
+        if self.end is None:
+            self.end = end
+
+    # ---- a stream of perceptions ----
+
+    def subscribe(self, every: int) -> Tuple[int, bytes]:
+        """Begins another stream in place of the one there is, if any."""
+        if every < 1:
+            raise ValueError(f"every is {every}; expected a number of frames, 1 or more")
+        if self.welcome.time is not None:
+            raise ReveError("lock-step", "an agent in lock-step perceives its rounds", "use observe or step")
+        self.require_open()
+        number = next(self._ids)
+        self._streaming, self._subscription, self._every = True, number, every
+        self._latest = self._known = None
+        return number, self.encode(protocol.perceive(number, every))
+
+    def has_stream(self, number: int) -> bool:
+        return self._streaming and self._subscription == number
+
+    def has_news(self, number: int) -> bool:
+        """True if the stream has brought something, or has ended."""
+        return not self.has_stream(number) or self._latest is not None
+
+    def news(self, number: int) -> Optional[Perception]:
+        """The newest perception of a stream; None where it has ended."""
+        if not self.has_stream(number):
+            return None
+        latest, self._latest = self._latest, None
+        return latest
+
+    def unsubscribe(self, number: int) -> Optional[bytes]:
+        if not self.has_stream(number):
+            return None
+        self._streaming, self._subscription = False, None
+        self._latest = self._known = None
+        return None if self.end is not None else self.encode(protocol.perceive(next(self._ids), 0))
+
+    # ---- lock-step ----
+
+    def ready(self, acts: Tuple[Act, ...]) -> bytes:
+        """Does these things and is done with the round."""
+        self._require_lock_step()
+        self.require_open()
+        for number in self._doing:
+            self.drop(number)
+        self._doing = []
+        self._ready_frame = -1 if self._known is None else self._known.frame
+        frame = None if self._known is None else self._known.frame
+        if not acts:
+            return self.encode(protocol.ready(frame))
+        lines = [self._do(act) for act in acts[:-1]]
+        return b"".join(lines) + self._do(acts[-1], lambda act: protocol.and_ready(act, frame))
+
+    def _do(self, act: Act, say: Callable[[Message], Message] = lambda act: act) -> bytes:
+        item = self.welcome.body if act.item is None else act.item
+        number, line = self.question(
+            lambda id: say(protocol.act(id, str(item), act.action, act.arguments))
+        )
+        self._doing.append(number)
+        return line
+
+    def has_observation(self, frame: int) -> bool:
+        """True if there is a perception of that frame or a later one that was not looked at, and the results of what
+        was done for it.
+        """
+        self._require_lock_step()
+        return (
+            self._known is not None
+            and self._known.frame > max(self._observed_frame, frame - 1)
+            and all(self.has_answer(number) for number in self._doing)
+        )
+
+    def observation(self) -> Perception:
+        assert self._known is not None
+        numbers, self._doing = self._doing, []
+        self._observed_frame = self._known.frame
+        try:
+            results = tuple(self.answer(number, Result) for number in numbers)
+        finally:
+            for number in numbers:
+                self.drop(number)
+        return dataclasses.replace(self._known, results=results)
+
+    def must_say_ready(self) -> bool:
+        """True if the round went on without us, and the next one waits while we still wait for results."""
+        return (
+            bool(self._doing)
+            and self._known is not None
+            and self._known.frame > self._ready_frame
+            and not all(self.has_answer(number) for number in self._doing)
+        )
+
+    def say_ready(self) -> bytes:
+        assert self._known is not None
+        self._ready_frame = self._known.frame
+        return self.encode(protocol.ready(self._known.frame))
+
+    def patience(self) -> float:
+        """How long the others may keep a round from ending [s], beyond what an answer takes."""
+        time = self.welcome.time
+        return 0.0 if time is None else time.deadline + time.every / self.welcome.rate
+
+    def _require_lock_step(self) -> None:
+        if self.welcome.time is None:
+            raise ReveError("not-lock-step", "nobody waits for this agent", "connect with time=reve.LockStep()")
+
+    # ---- hearing ----
+
+    def events(self) -> List[Event]:
+        events = list(self._events)
+        self._events.clear()
+        return events
+
+    def take(self, message: ServerMessage) -> Optional[bytes]:
+        """Something has come. Returns what is to be said to it at once, if anything."""
+        if isinstance(message, Ping):
+            return self.encode(protocol.pong())
+        if isinstance(message, Bye):
+            raise Disconnected(message.code, message.message, message.hint)
+        if isinstance(message, Event):
+            self._hear(message)
+        elif isinstance(message, (Perception, Update)) and self._streaming and message.id == self._subscription:
+            self._show(message)
+        elif isinstance(message, (Perception, Image, Result, Pong, Error)):
+            self._answer(message)
+        return None
+
+    def _hear(self, event: Event) -> None:
+        if self._known_already > 0:  # told again after a break
+            self._known_already -= 1
+            return
+        self._events.append(event)
+        self._has_seen(event.frame - 1)
+        self._seen_after.append(event.frame)
+
+    def _has_seen(self, frame: int) -> None:
+        """All events up to that frame have come."""
+        self._frame_seen = max(self._frame_seen, frame)
+        self._seen_after = [f for f in self._seen_after if f > self._frame_seen]
+
+    def _show(self, message: Union[Perception, Update]) -> None:
+        if isinstance(message, Perception):
+            self._known = message
+        elif self._known is not None:
+            self._known = self._known.updated(message)
+        self._latest = self._known
+        self._has_seen(message.frame)
+
+    def _answer(self, message: Union[Perception, Image, Result, Pong, Error]) -> None:
+        if isinstance(message, Perception) and message.id not in self._ahead:
+            self._has_seen(message.frame)
+        if message.id is not None and message.id in self._waiting:
+            self._waiting[message.id] = message
+            self._unanswered.pop(message.id, None)
+        elif isinstance(message, Error):
+            raise ReveError(message.code, message.message, message.hint)
+
+    # ---- when a connection breaks ----
+
+    def greeting(self) -> Optional[Message]:
+        """The hello with which another connection goes on; None where that is not possible."""
+        if self.welcome.session is None or self.end is not None:
+            return None
+        return protocol.hello(
+            self.welcome.agent,
+            role=self.welcome.role,
+            encoding=self._encoding,
+            resume=(self.welcome.session.token, max(0, self._frame_seen)),
+            token=self._token,
+            world=self.welcome.world,
+        )
+
+    def gone_on(self) -> bytes:
+        """Another connection has been welcomed: what has to be said again over it."""
+        self._known_already = len(self._seen_after)
+        lines = b"".join(self._unanswered.values())
+        if self._subscription is not None:
+            lines += self.encode(protocol.perceive(self._subscription, self._every))
+        return lines
