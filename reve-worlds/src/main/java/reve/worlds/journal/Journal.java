@@ -90,6 +90,8 @@ public final class Journal implements AutoCloseable {
         writer = new JournalWriter(header, digest.size(), ring, rooms, plan, sink, problems);
         lawListener = laws::add;
         physics.laws().addListener(lawListener);
+        // Results of acts may be told from ACT on; going back is published without one.
+        subscriptions.add(bus.subscribe(FramePhase.INTAKE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.ACT, "journal", this::noteEarlyChanges));
         subscriptions.add(bus.subscribe(FramePhase.DERIVE, "journal", this::awaitFrameBefore));
         subscriptions.add(bus.subscribe(FramePhase.PUBLISH, "journal", this::handOver));
