@@ -11,6 +11,8 @@ import java.net.SocketTimeoutException;
 import java.nio.charset.StandardCharsets;
 import java.time.Duration;
 import java.util.ArrayDeque;
+import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.Deque;
 import java.util.HashMap;
 import java.util.List;
@@ -39,6 +41,8 @@ public final class AgentClient implements AutoCloseable {
     /** How many events wait for {@link #events()}; older ones are forgotten. */
     public static final int MAX_EVENTS = 1024;
 
+    private static final long NO_FRAME = -1;
+
     private final Socket socket;
     private final DataInputStream in;
     private final Encoding encoding;
@@ -56,6 +60,10 @@ public final class AgentClient implements AutoCloseable {
     private int every;
     private @Nullable Perception known;
     private @Nullable Perception latest;
+    /** Acts of the round, in lock-step. */
+    private List<Long> doing = List.of();
+    private long readyFrame = NO_FRAME;
+    private long observedFrame = NO_FRAME;
     private @Nullable AgentException end;
 
     /**
@@ -129,8 +137,15 @@ public final class AgentClient implements AutoCloseable {
         return ask(id, Protocol.perceiveWithRelations(id), Perception.class);
     }
 
-    /** Asks for a perception every that many frames from now on, for {@link #nextPerception()}. */
+    /**
+     * Asks for a perception every that many frames from now on, for {@link #nextPerception()}.
+     *
+     * @throws IllegalStateException in lock-step, where the agent perceives its rounds
+     */
     public void perceiveEvery(int frames) {
+        if (welcome.lockStep().isPresent()) {
+            throw new IllegalStateException("an agent in lock-step perceives its rounds: use observe or step");
+        }
         if (frames < 1) {
             throw new IllegalArgumentException("every " + frames + " frames, expected 1 or more");
         }
@@ -162,6 +177,9 @@ public final class AgentClient implements AutoCloseable {
     /** Ends what {@link #perceiveEvery} began. */
     public void stopPerceiving() {
         synchronized (this) {
+            if (subscription == 0) {
+                return;
+            }
             subscription = 0;
             known = null;
             latest = null;
@@ -215,6 +233,102 @@ public final class AgentClient implements AutoCloseable {
                     refused.reason().orElse("the server does not look ahead"), Optional.empty());
             default -> throw unexpected(answer);
         };
+    }
+
+    // ---- lock-step ----
+
+    /**
+     * In lock-step: does these things in the next frame and returns what is perceived then, or at the end of a round of
+     * several frames, with the results.
+     *
+     * @throws IllegalStateException if the agent is not in lock-step
+     */
+    public Perception step(Act... acts) {
+        ready(acts);
+        return observe();
+    }
+
+    /** In lock-step: does these things in the next frame, for which the world need not wait any longer. */
+    public void ready(Act... acts) {
+        requireLockStep();
+        var messages = new ArrayList<ObjectNode>();
+        synchronized (this) {
+            OptionalLong seen = known == null ? OptionalLong.empty() : OptionalLong.of(known.frame());
+            List<Long> ids = Arrays.stream(acts).map(act -> nextId()).toList();
+            for (int i = 0; i < acts.length; i++) {
+                String item = acts[i].item().orElseGet(() -> welcome.body().orElseThrow());
+                ObjectNode act = Protocol.act(ids.get(i), item, acts[i].action(), acts[i].arguments());
+                messages.add(i == acts.length - 1 ? Protocol.andReady(act, seen) : act);
+            }
+            if (acts.length == 0) {
+                messages.add(Protocol.ready(seen));
+            }
+            doing.forEach(answers::remove);
+            doing = ids;
+            ids.forEach(id -> answers.put(id, Optional.empty()));
+            readyFrame = seen.orElse(NO_FRAME);
+        }
+        messages.forEach(this::send);
+    }
+
+    /**
+     * In lock-step: waits for the newest perception that was not observed yet, after which the world waits for the
+     * agent. The first is that of the frame that it joined in.
+     */
+    public Perception observe() {
+        return observe(0);
+    }
+
+    /** As {@link #observe()}, of that frame or a later one. */
+    public Perception observe(long frame) {
+        LockStep time = requireLockStep();
+        Duration longest = patience.plus(time.deadline()).plusMillis(1000L * time.every() / welcome.rate());
+        while (true) {
+            OptionalLong missed;
+            synchronized (this) {
+                await(() -> isObservable(frame) || isWaitedForAgain(), longest);
+                if (isObservable(frame)) {
+                    return observation();
+                }
+                readyFrame = Objects.requireNonNull(known).frame();
+                missed = OptionalLong.of(readyFrame);
+            }
+            send(Protocol.ready(missed));
+        }
+    }
+
+    private boolean isObservable(long frame) {
+        return known != null && known.frame() > observedFrame && known.frame() >= frame && isAllDone();
+    }
+
+    /** The round went on without the agent, and the next one waits while results are still to come. */
+    private boolean isWaitedForAgain() {
+        return known != null && known.frame() > readyFrame && !isAllDone();
+    }
+
+    private boolean isAllDone() {
+        return doing.stream().allMatch(id -> answers.get(id).isPresent());
+    }
+
+    private Perception observation() {
+        Perception seen = Objects.requireNonNull(known);
+        observedFrame = seen.frame();
+        List<ServerMessage> done = doing.stream().map(id -> answers.remove(id).orElseThrow()).toList();
+        doing = List.of();
+        var results = new ArrayList<ActResult>();
+        for (ServerMessage answer : done) {
+            switch (answer) {
+                case ActResult result -> results.add(result);
+                case ServerMessage.Error error -> throw refused(error);
+                default -> throw unexpected(answer);
+            }
+        }
+        return seen.with(List.copyOf(results));
+    }
+
+    private LockStep requireLockStep() {
+        return welcome.lockStep().orElseThrow(() -> new IllegalStateException(
+                "nobody waits for this agent; join withLockStep"));
     }
 
     /** Returns when the server has answered. */
@@ -401,7 +515,7 @@ public final class AgentClient implements AutoCloseable {
     }
 
     private synchronized void show(Perception perception) {
-        if (perception.id().equals(OptionalLong.of(subscription))) {
+        if (perception.id().equals(stream())) {
             known = perception;
             latest = perception;
             notifyAll();
@@ -411,11 +525,16 @@ public final class AgentClient implements AutoCloseable {
     }
 
     private synchronized void show(Update update) {
-        if (known != null && update.id().equals(OptionalLong.of(subscription))) {
+        if (known != null && update.id().equals(stream())) {
             known = known.updated(update);
             latest = known;
             notifyAll();
         }
+    }
+
+    /** In lock-step perceptions come without having been asked for. */
+    private OptionalLong stream() {
+        return welcome.lockStep().isPresent() ? OptionalLong.empty() : OptionalLong.of(subscription);
     }
 
     private synchronized void answer(OptionalLong id, ServerMessage message) {

@@ -11,8 +11,18 @@ import java.util.OptionalLong;
  * All items that an agent perceives in one frame.
  *
  * @param time of the world [s]
+ * @param results in lock-step those of what was done in the round before, in order
  */
-public record Perception(OptionalLong id, long frame, double time, List<Item> items) implements ServerMessage {
+public record Perception(OptionalLong id, long frame, double time, List<Item> items, List<ActResult> results)
+        implements ServerMessage {
+
+    Perception(OptionalLong id, long frame, double time, List<Item> items) {
+        this(id, frame, time, items, List.of());
+    }
+
+    Perception with(List<ActResult> ofActs) {
+        return new Perception(id, frame, time, items, ofActs);
+    }
 
     /** The item of that name, if it was perceived. */
     public Optional<Item> find(String name) {

@@ -3,6 +3,7 @@ package reve.worlds.cli;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -32,6 +33,9 @@ import reve.worlds.server.WorldServer;
         name = "serve",
         description = "Runs worlds that agents can join and laws can be dropped into, until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
+    private static final double MIN_DEADLINE = 0.001;
+    private static final double MAX_DEADLINE = 3600;
+
     @Spec
     private CommandSpec spec = CommandSpec.create();
 
@@ -83,6 +87,11 @@ public final class ServeCommand implements Callable<Integer> {
     @Option(names = "--audit", paramLabel = "FILE",
             description = "Append what each client is told, and when, as one JSON object per message.")
     private Optional<Path> audit = Optional.empty();
+
+    @Option(names = "--deadline", paramLabel = "S", defaultValue = "10",
+            description = "Longest time that an agent in lock-step may have its world wait [s] "
+                    + "(default: ${DEFAULT-VALUE}).")
+    private double deadline;
 
     @Option(names = "--fast", description = "As fast as it goes, instead of paced to the wall clock.")
     private boolean fast;
@@ -158,7 +167,12 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private AgentServerConfig agents() throws IOException {
-        AgentServerConfig config = listen.config();
+        if (!(deadline >= MIN_DEADLINE && deadline <= MAX_DEADLINE)) {
+            throw new ParameterException(spec.commandLine(), "--deadline is " + deadline
+                    + ", expected " + MIN_DEADLINE + " to " + MAX_DEADLINE + " s");
+        }
+        AgentServerConfig config = listen.config()
+                .withDeadline(Duration.ofNanos(Math.round(deadline * 1e9)));
         return audit.map(config::withAudit).orElse(config);
     }
 }
