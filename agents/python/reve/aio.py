@@ -1,0 +1,349 @@
+"""The client for asyncio: as `reve.connect` and `reve.control`, with coroutines.
+
+>>> import reve.aio
+>>> async with await reve.aio.connect("127.0.0.1", 7777, name="ada") as agent:
+...     print([item.name for item in (await agent.perceive()).items])
+"""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Type, TypeVar, Union
+
+from . import protocol
+from .commands import Commands
+from .conversation import Conversation
+from .errors import Disconnected, ProtocolError, ReveError
+from .protocol import (
+    Act,
+    Argument,
+    Bye,
+    Error,
+    Event,
+    Item,
+    LockStep,
+    Message,
+    Perception,
+    Ping,
+    Pong,
+    Result,
+    ServerMessage,
+    Welcome,
+)
+from .tls import Tls
+
+_RETRY_SECONDS = 0.2
+_LONGEST_MESSAGE = 1 << 30
+
+_T = TypeVar("_T")
+_Wire = Tuple[asyncio.StreamReader, asyncio.StreamWriter]
+
+
+async def connect(
+    host: str = "127.0.0.1",
+    port: int = 7777,
+    *,
+    name: str,
+    world: Optional[str] = None,
+    body: Optional[str] = None,
+    role: str = protocol.AGENT,
+    encoding: str = protocol.JSON,
+    time: Optional[LockStep] = None,
+    grace: float = 0.0,
+    token: Optional[str] = None,
+    tls: Tls = False,
+    timeout: float = 10.0,
+) -> Agent:
+    """As `reve.connect`."""
+    greeting = protocol.hello(
+        name, body, role, encoding, grace, token=token, time=time, world=world
+    )
+    agent = Agent((host, port), greeting, timeout, tls)
+    await agent._begin()
+    return agent
+
+
+async def control(
+    host: str = "127.0.0.1",
+    port: int = 7777,
+    *,
+    name: str = "control",
+    world: Optional[str] = None,
+    token: Optional[str] = None,
+    tls: Tls = False,
+    timeout: float = 10.0,
+) -> Control:
+    """As `reve.control`."""
+    greeting = protocol.hello(name, role=protocol.CONTROL, token=token, world=world)
+    boss = Control((host, port), greeting, timeout, tls)
+    await boss._begin()
+    return boss
+
+
+class Client:
+    """What agents and controls have in common; as `reve.Client`. For the tasks of one event loop."""
+
+    _talk: Conversation
+    _reader: asyncio.Task[None]
+
+    def __init__(
+        self, address: Tuple[str, int], greeting: Message, timeout: float, tls: Tls = False
+    ) -> None:
+        self._address = address
+        self._greeting = greeting
+        self._timeout = timeout
+        self._tls = tls
+        self._waiters: List[asyncio.Future[None]] = []
+
+    async def _begin(self) -> None:
+        self._wire, welcome = await self._open(self._greeting)
+        self._talk = Conversation(self._greeting, welcome)
+        self._reader = asyncio.create_task(self._read())
+
+    async def _open(self, greeting: Message) -> Tuple[_Wire, Welcome]:
+        try:
+            return await asyncio.wait_for(self._join(greeting), self._timeout)
+        except asyncio.TimeoutError as error:
+            raise ReveError(
+                "no-answer", "the server did not welcome us in time", "is its world running?"
+            ) from error
+
+    async def _join(self, greeting: Message) -> Tuple[_Wire, Welcome]:
+        context: Union[bool, ssl.SSLContext, None] = None
+        if isinstance(self._tls, ssl.SSLContext):
+            context = self._tls
+        elif self._tls:
+            context = ssl.create_default_context(cafile=self._tls if isinstance(self._tls, str) else None)
+        try:
+            wire = await asyncio.open_connection(*self._address, ssl=context, limit=_LONGEST_MESSAGE)
+        except ssl.SSLError as error:
+            raise Disconnected(
+                "tls-failed", str(error), "does the server speak TLS, and is its certificate one that you trust?"
+            ) from error
+        try:
+            wire[1].write(protocol.encode(greeting))
+            return wire, await _welcome(wire[0])
+        except BaseException:
+            wire[1].close()
+            raise
+
+    @property
+    def welcome(self) -> Welcome:
+        """What the server said when we joined."""
+        return self._talk.welcome
+
+    @property
+    def name(self) -> str:
+        return self.welcome.agent
+
+    async def perceive(self, relations: bool = False) -> Perception:
+        """The items of the next frame."""
+        return await self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
+
+    async def perceptions(self, every: int = 1) -> AsyncIterator[Perception]:
+        """A perception every that many frames, always the newest. Starting another ends the first."""
+        number, line = self._talk.subscribe(every)
+        self._send(line)
+        patience = self._timeout + every / self.welcome.rate
+        try:
+            while True:
+                await self._wait(lambda: self._talk.has_news(number), patience)
+                perception = self._talk.news(number)
+                if perception is None:
+                    return
+                yield perception
+        finally:
+            farewell = self._talk.unsubscribe(number)
+            if farewell is not None:
+                self._send(farewell)
+
+    async def ping(self) -> None:
+        """Returns when the server has answered."""
+        await self._ask(protocol.ping, Pong)
+
+    def events(self) -> List[Event]:
+        """What happened since the last call, oldest first; the last 1,024 events are kept."""
+        return self._talk.events()
+
+    async def close(self) -> None:
+        """Leaves the world. Calling it again does nothing."""
+        self._finish(Disconnected("closed", "we have left"))
+        self._send(self._talk.encode(protocol.bye()))
+        await asyncio.wait([self._reader], timeout=self._timeout)
+        self._reader.cancel()
+        self._wire[1].close()
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.close()
+
+    # ---- asking ----
+
+    async def _ask(self, build: Callable[[int], Message], answer_type: Type[_T]) -> _T:
+        return await self._answer(
+            self._talk.question(build), lambda number: self._talk.answer(number, answer_type)
+        )
+
+    async def _answer(self, question: Tuple[int, bytes], answer: Callable[[int], _T]) -> _T:
+        number, line = question
+        self._send(line)
+        try:
+            await self._wait(lambda: self._talk.has_answer(number), self._timeout)
+            return answer(number)
+        finally:
+            self._talk.drop(number)
+
+    async def _wait(self, ready: Callable[[], bool], patience: float) -> None:
+        """Until ready, or the end of the connection or of patience [s]."""
+        loop = asyncio.get_running_loop()
+        deadline = loop.time() + patience
+        while not ready():
+            if self._talk.end is not None:
+                raise self._talk.end
+            change = loop.create_future()
+            self._waiters.append(change)
+            await asyncio.wait([change], timeout=deadline - loop.time())
+            if not change.done():
+                self._waiters.remove(change)
+                raise ReveError(
+                    "no-answer", f"the server was silent for {patience} s", "is its world running?"
+                )
+
+    def _send(self, lines: bytes) -> None:
+        if not self._wire[1].is_closing():
+            self._wire[1].write(lines)
+
+    def _finish(self, end: ReveError) -> None:
+        self._talk.finish(end)
+        self._changed()
+
+    def _changed(self) -> None:
+        waiters, self._waiters = self._waiters, []
+        for waiter in waiters:
+            if not waiter.done():
+                waiter.set_result(None)
+
+    # ---- the reader's task ----
+
+    async def _read(self) -> None:
+        end: ReveError = Disconnected("lost", "the server closed the connection without a reason")
+        while True:
+            try:
+                message = await _next(self._wire[0])
+                if message is not None:
+                    reply = self._talk.take(message)
+                    if reply is not None:
+                        self._send(reply)
+                    self._changed()
+                    continue
+            except OSError as error:
+                end = Disconnected("lost", f"the connection broke: {error}")
+            except ReveError as error:
+                self._finish(error)
+                return
+            if not await self._resume():
+                self._finish(end)
+                return
+
+    async def _resume(self) -> bool:
+        """Goes on over another connection, until the time of grace is over. True if that worked."""
+        ticket = self.welcome.session
+        self._wire[1].close()
+        if ticket is None:
+            return False
+        loop = asyncio.get_running_loop()
+        deadline = loop.time() + ticket.grace_seconds
+        while loop.time() < deadline:
+            greeting = self._talk.greeting()
+            if greeting is None:
+                return False
+            try:
+                self._wire, _ = await self._open(greeting)
+            except ReveError as error:
+                self._finish(error)
+                return False
+            except OSError:
+                await asyncio.sleep(_RETRY_SECONDS)
+                continue
+            self._send(self._talk.gone_on())
+            return True
+        return False
+
+
+class Agent(Client):
+    """An agent in a world, from `connect`; as `reve.Agent`."""
+
+    async def __aenter__(self) -> Agent:
+        return self
+
+    @property
+    def body(self) -> Optional[str]:
+        """The name of the item that is this agent's body; only the role "agent" has one."""
+        return self.welcome.body
+
+    async def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
+        """Asks the item to do one of its actions and waits for the outcome. A refusal is a result."""
+        target = item if isinstance(item, str) else item.name
+        return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
+
+    async def step(self, *acts: Act) -> Perception:
+        """In lock-step: does these things in the next frame and returns what is perceived then."""
+        self.ready(*acts)
+        return await self.observe()
+
+    def ready(self, *acts: Act) -> None:
+        """In lock-step: does these things in the next frame, for which the world need not wait any longer."""
+        self._send(self._talk.ready(acts))
+
+    async def observe(self, frame: int = 0) -> Perception:
+        """In lock-step: waits for the perception of that frame or a later one that was not observed yet."""
+        patience = self._timeout + self._talk.patience()
+        while not self._talk.has_observation(frame):
+            if self._talk.must_say_ready():
+                self._send(self._talk.say_ready())
+            await self._wait(
+                lambda: self._talk.has_observation(frame) or self._talk.must_say_ready(), patience
+            )
+        return self._talk.observation()
+
+
+class Control(Client, Commands[Awaitable[Result]]):
+    """Runs a world, from `control`; as `reve.Control`."""
+
+    async def __aenter__(self) -> Control:
+        return self
+
+    async def foresee(self, frames: int) -> Perception:
+        """What would be perceived that many frames from now, if nobody did anything."""
+        return await self._answer(self._talk.fork(frames), self._talk.foreseen)
+
+    def _command(self, t: str, **fields: object) -> Awaitable[Result]:
+        return self._ask(lambda id: protocol.command(id, t, **fields), Result)
+
+
+async def _welcome(reader: asyncio.StreamReader) -> Welcome:
+    """Before the welcome the server may only ping, refuse the hello or end the connection."""
+    while True:
+        message = await _next(reader)
+        if message is None:
+            raise Disconnected("lost", "the server closed the connection before its welcome")
+        if isinstance(message, Welcome):
+            return message
+        if isinstance(message, Bye):
+            raise Disconnected(message.code, message.message, message.hint)
+        if isinstance(message, Error):
+            raise ReveError(message.code, message.message, message.hint)
+        if not isinstance(message, Ping):
+            raise ProtocolError(f"expected a welcome, got {message}")
+
+
+async def _next(reader: asyncio.StreamReader) -> Optional[ServerMessage]:
+    """The next message of a connection, in either encoding; None at its end."""
+    try:
+        first = await reader.readexactly(1)
+        if first != b"\0":
+            return protocol.decode(first + await reader.readuntil(b"\n"))
+        length = int.from_bytes(first + await reader.readexactly(3), "big")
+        return protocol.decode_packed(await reader.readexactly(length))
+    except asyncio.IncompleteReadError:
+        return None
