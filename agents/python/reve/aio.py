@@ -21,6 +21,7 @@ from .protocol import (
     Bye,
     Error,
     Event,
+    Image,
     Item,
     LockStep,
     Message,
@@ -285,6 +286,10 @@ class Agent(Client):
         """Asks the item to do one of its actions and waits for the outcome. A refusal is a result."""
         target = item if isinstance(item, str) else item.name
         return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
+
+    async def look(self, sensor: str) -> Image:
+        """What one of our body's cameras sees now; ReveError with the server's code if there is no picture."""
+        return await self._ask(lambda id: protocol.look(id, sensor), Image)
 
     async def step(self, *acts: Act) -> Perception:
         """In lock-step: does these things in the next frame and returns what is perceived then."""
