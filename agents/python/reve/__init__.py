@@ -23,6 +23,7 @@ from .protocol import (
     Welcome,
 )
 from .errors import Disconnected, ProtocolError, ReveError
+from .server import serve
 
 __all__ = [
     "Act",
@@ -46,4 +47,5 @@ __all__ = [
     "Welcome",
     "connect",
     "control",
+    "serve",
 ]

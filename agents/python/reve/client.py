@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import socket
 import threading
+from functools import partial
 import time as clock
-from typing import BinaryIO, Callable, Iterator, List, Optional, Tuple, Type, TypeVar, Union
+from typing import BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, Union
 
 from . import protocol
 from .commands import Commands
@@ -202,6 +203,9 @@ class Client:
             with self._changed:
                 number, line = question()
             self._send(line)
+        return self._answer_to(number, answer)
+
+    def _answer_to(self, number: int, answer: Callable[[int], _T]) -> _T:
         with self._changed:
             try:
                 self._wait(lambda: self._talk.has_answer(number), self._timeout)
@@ -364,8 +368,27 @@ class Control(Client, Commands[Result]):
         """
         return self._answer(lambda: self._talk.fork(frames), self._talk.foreseen)
 
+    def begin_edits(self, edits: Sequence[Tuple[str, str, Argument]]) -> Callable[[], List[Result]]:
+        """As `edit` for each item, property and value. Returns when the server has them all, which it does in the next
+        frame; what is returned waits for the results.
+        """
+        with self._sending:
+            with self._changed:
+                questions = [self._talk.question(partial(_edit, edit)) for edit in edits]
+            self._send(b"".join(line for _, line in questions))
+        self.ping()
+        return lambda: [self._result(number) for number, _ in questions]
+
+    def _result(self, number: int) -> Result:
+        return self._answer_to(number, lambda n: self._talk.answer(n, Result))
+
     def _command(self, t: str, **fields: object) -> Result:
         return self._ask(lambda number: protocol.command(number, t, **fields), Result)
+
+
+def _edit(edit: Tuple[str, str, Argument], number: int) -> Message:
+    item, property, value = edit
+    return protocol.command(number, "edit", item=item, property=property, value=value)
 
 
 def _await_welcome(stream: BinaryIO) -> Welcome:

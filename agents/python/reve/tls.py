@@ -6,7 +6,7 @@ import io
 import socket
 import ssl
 import threading
-from typing import BinaryIO, Union
+from typing import Any, BinaryIO, Union
 
 from .errors import Disconnected
 
@@ -104,7 +104,7 @@ class _Reader(io.RawIOBase):
     def readable(self) -> bool:
         return True
 
-    def readinto(self, buffer: bytearray) -> int:  # type: ignore[override]
+    def readinto(self, buffer: Any) -> int:
         data = self._connection.recv(len(buffer))
         buffer[: len(data)] = data
         return len(data)

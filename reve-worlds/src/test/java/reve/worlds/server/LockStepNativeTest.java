@@ -15,6 +15,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.core.agent.AgentServer;
 import reve.core.agent.AgentServerConfig;
+import reve.core.agent.Cameras;
 import reve.core.agent.WorldControl;
 import reve.core.agent.WorldPort;
 import reve.core.file.WorldDescription;
@@ -74,6 +75,6 @@ class LockStepNativeTest {
     private static WorldPort port(WorldDescription description, Simulation simulation) {
         return new WorldPort(description.name(), description.timing().framesPerSecond(),
                 description.agents(), simulation.bus(), simulation.commands(), simulation.snapshots(),
-                simulation.loop(), WorldControl.none());
+                simulation.loop(), WorldControl.none(), Cameras.none());
     }
 }

@@ -1,0 +1,62 @@
+"""One agent, as Gymnasium has it."""
+
+from __future__ import annotations
+
+from typing import Any, Dict, Optional, Tuple
+
+import gymnasium
+
+from ..protocol import Perception
+from .stage import Address, Stage, info
+from .task import Task
+
+
+class Environment(gymnasium.Env[Any, Any]):
+    """An agent's task in a world that waits for it. The world is the environment's own while it is open.
+
+    `address` is host and port of a server, such as that of `reve.serve(...)`. A step is `frames` frames long, an episode
+    `steps` steps at most. Every episode begins where the world began, changed by the task's `begin`; so the same seed
+    and actions give the same observations, to the bit. `info` holds the world's `time` [s] and
+    the `items` that the agent perceives.
+    """
+
+    metadata: Dict[str, Any] = {"render_modes": []}
+
+    def __init__(
+        self,
+        address: Address,
+        task: Task,
+        *,
+        frames: int = 1,
+        steps: Optional[int] = None,
+        name: str = "learner",
+    ) -> None:
+        self.task = task
+        self.observation_space = task.observation_space
+        self.action_space = task.action_space
+        self._name = name
+        self._steps = steps
+        self._done = 0
+        self._stage = Stage(address, {name: task}, frames)
+
+    def reset(
+        self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
+    ) -> Tuple[Any, Dict[str, Any]]:
+        super().reset(seed=seed)
+        self._done = 0
+        perception = self._stage.reset(self.np_random)[self._name]
+        return self.task.observe(perception), info(perception)
+
+    def step(self, action: Any) -> Tuple[Any, float, bool, bool, Dict[str, Any]]:
+        perception: Perception = self._stage.step({self._name: self.task.act(action)})[self._name]
+        self._done += 1
+        return (
+            self.task.observe(perception),
+            self.task.reward(perception),
+            self.task.is_over(perception),
+            self._steps is not None and self._done >= self._steps,
+            info(perception),
+        )
+
+    def close(self) -> None:
+        self._stage.close()

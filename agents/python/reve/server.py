@@ -1,0 +1,65 @@
+"""A server of one's own, for as long as one needs it."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import subprocess
+import tempfile
+import threading
+from typing import IO, Iterator, Tuple, Union
+
+from .errors import ReveError
+
+_SECONDS_TO_END = 30
+
+
+@contextlib.contextmanager
+def serve(
+    world: Union[str, "os.PathLike[str]"],
+    *options: str,
+    launcher: Union[str, "os.PathLike[str]"] = "./reve",
+) -> Iterator[Tuple[str, int]]:
+    """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server afterwards.
+
+    It makes frames as fast as its agents in lock-step go on, and waits an hour for them. `options` are more of those of `./reve serve`, `launcher` is
+    the project's launcher. Raises ReveError with what the server said if it does not start.
+    """
+    command = [os.fspath(launcher), "serve", os.fspath(world), "--port", "0", "--json", "--fast", "--deadline", "3600", *options]
+    with tempfile.TemporaryFile("w+") as errors:
+        process = subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, text=True
+        )
+        assert process.stdout is not None
+        with process.stdout as events:
+            try:
+                port = _port(events)
+                if port is None:
+                    process.wait()
+                    errors.seek(0)
+                    raise ReveError("no-server", f"`{' '.join(command)}` did not start: {errors.read().strip()}")
+                threading.Thread(target=_drain, args=(events,), daemon=True).start()
+                yield "127.0.0.1", port
+            finally:
+                process.terminate()
+                try:
+                    process.wait(_SECONDS_TO_END)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
+
+
+def _port(events: IO[str]) -> "int | None":
+    for line in events:
+        event = json.loads(line)
+        if event.get("event") == "ready":
+            return int(event["agentPort"])
+    return None
+
+
+def _drain(events: IO[str]) -> None:
+    """So that the server never waits for a reader of its events."""
+    with contextlib.suppress(OSError, ValueError):  # closed under us
+        while os.read(events.fileno(), 1 << 16):
+            pass

@@ -1,0 +1,138 @@
+"""Worlds to learn in: against the checkers of Gymnasium and PettingZoo, on real servers with real physics."""
+
+import importlib.util
+import json
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import unittest
+import warnings
+
+from support import PACKAGE
+
+import reve
+
+ROOT = PACKAGE.parents[1]
+LAUNCHER = ROOT / "reve"
+HAS_GYM = all(importlib.util.find_spec(package) for package in ("gymnasium", "numpy", "pettingzoo"))
+
+if HAS_GYM:
+    import numpy
+    from gymnasium import spaces
+    from gymnasium.utils.env_checker import check_env
+    from pettingzoo.test import parallel_api_test
+
+    from reve.gym import Environment, Task
+    from reve.gym.parallel import ParallelEnvironment
+
+    sys.path.insert(0, str(PACKAGE / "examples"))
+    from balance import Balance
+
+    class Reach(Task):
+        """Roll to the red ball; the nearer the better."""
+
+        observation_space = spaces.Box(-numpy.inf, numpy.inf, (3,), numpy.float64)
+        action_space = spaces.Box(-1.0, 1.0, (2,), numpy.float32)
+
+        def __init__(self, body):
+            self.body = body
+
+        def observe(self, perception):
+            red, me = perception.find("red"), perception.find(self.body)
+            here = numpy.array(me.location)
+            return numpy.zeros(3) if red is None else numpy.array(red.location) - here
+
+        def act(self, action):
+            force = [100 * float(action[0]), 0.0, 100 * float(action[1])]
+            return [reve.Act(None, "roll", {"force": force})]
+
+        def reward(self, perception):
+            return -float(numpy.linalg.norm(self.observe(perception)))
+
+        def is_over(self, perception):
+            return perception.time > 0.5 and self.body == "robot1"
+
+
+def served(world):
+    return reve.serve(ROOT / "worlds" / world, launcher=LAUNCHER)
+
+
+@unittest.skipUnless(HAS_GYM, "the extra gym is not installed")
+class GymTest(unittest.TestCase):
+    def environment(self, world, make):
+        server = served(world)
+        address = server.__enter__()
+        self.addCleanup(server.__exit__, None, None, None)
+        environment = make(address)
+        self.addCleanup(environment.close)
+        return environment
+
+    def test_gymnasiums_checker_is_content(self):
+        environment = self.environment("cart-pole", lambda at: Environment(at, Balance(), frames=2, steps=50))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            warnings.filterwarnings("ignore", message=".*(infinity|spec|symmetric and normalized).*")
+            check_env(environment)
+
+    def test_pettingzoos_checker_is_content(self):
+        tasks = {"ada": Reach("robot1"), "bob": Reach("robot2")}
+        environment = self.environment("playground", lambda at: ParallelEnvironment(at, tasks, frames=3, steps=25))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            parallel_api_test(environment, num_cycles=40)
+
+    def test_the_same_seed_and_actions_make_the_same_episode_to_the_bit(self):
+        environment = self.environment("cart-pole", lambda at: Environment(at, Balance()))
+
+        def episode(seed):
+            first, _ = environment.reset(seed=seed)
+            return [first, *(environment.step(numpy.array([0.3], numpy.float32))[0] for _ in range(20))]
+
+        one, other, again = episode(1), episode(2), episode(1)
+        numpy.testing.assert_array_equal(one, again)
+        self.assertFalse(numpy.array_equal(one, other))
+
+    def test_a_push_moves_the_cart_as_newton_says(self):
+        environment = self.environment("cart-pole", lambda at: Environment(at, Balance()))
+        (_, before, _, _), _ = environment.reset(seed=3)
+        (_, after, _, _), _, _, _, _ = environment.step(numpy.array([1.0], numpy.float32))
+        self.assertAlmostEqual(after - before, 10.0 / 60 / 1.0, delta=0.005)  # 10 N for a frame on 1 kg, and the pole
+
+    def test_an_edit_that_the_world_refuses_is_told(self):
+        class Wrong(Balance):
+            def begin(self, random):
+                return [("tip", "physics.nothing", 1.0)]
+
+        environment = self.environment("cart-pole", lambda at: Environment(at, Wrong()))
+        with self.assertRaisesRegex(reve.ReveError, "physics.nothing of tip"):
+            environment.reset(seed=1)
+
+    def test_a_server_that_does_not_start_says_why(self):
+        with self.assertRaisesRegex(reve.ReveError, "no-such-world"):
+            with served("no-such-world"):
+                pass
+
+    def test_the_learner_gets_better(self):
+        run = subprocess.run(
+            [sys.executable, str(PACKAGE / "examples" / "balance.py"), "--generations", "3", "--launcher", str(LAUNCHER)],
+            cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)}, capture_output=True, text=True, timeout=300,
+        )
+        self.assertIn(run.returncode, (0, 1), run.stderr)  # 1: not yet perfect
+        history = json.loads(run.stdout)["history"]
+        self.assertGreater(max(history[1:]), 2 * history[0], run.stderr)
+
+    def test_the_example_of_the_page_runs(self):
+        page = (ROOT / "docs" / "learning.md").read_text("utf-8")
+        for script in re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
+            run = subprocess.run(
+                [sys.executable, "-c", script], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+                capture_output=True, text=True, timeout=120,
+            )
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertIn("points", run.stdout)
+
+
+if __name__ == "__main__":
+    unittest.main()
