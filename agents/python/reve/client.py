@@ -316,10 +316,6 @@ class Agent(Client):
         target = item if isinstance(item, str) else item.name
         return self._ask(lambda number: protocol.act(number, target, action, arguments), Result)
 
-    def look(self, sensor: str) -> Image:
-        """What one of our body's cameras sees now; ReveError with the server's code if there is no picture."""
-        return self._ask(lambda number: protocol.look(number, sensor), Image)
-
     # ---- lock-step ----
 
     def step(self, *acts: Act) -> Perception:
