@@ -8,6 +8,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.BiFunction;
 import java.util.function.Function;
 import reve.core.mesh.Assets;
 import reve.core.world.Action;
@@ -46,13 +47,14 @@ final class ItemReader {
     /** One mention of another item, to be resolved when all items are known. */
     private record Reference(Node target, String kind, boolean needsPhysics) {}
 
+    /** @param pathOf where a file is that a value names, as the assets take it */
     ItemReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
-            Completion completion, Problems problems) {
+            BiFunction<Node, String, String> pathOf, Completion completion, Problems problems) {
         this.prototype = prototype;
         this.completion = completion;
         this.problems = problems;
         this.physics = physics;
-        this.physical = new PhysicalReader(prototype, physics, assets, problems);
+        this.physical = new PhysicalReader(prototype, physics, assets, pathOf, problems);
         this.densities = new DensityReader(prototype, physics, problems);
         this.actions = new ActionReader(physics, this::readCreated, problems);
         this.sensors = new SensorReader(problems);

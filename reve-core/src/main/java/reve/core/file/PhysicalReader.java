@@ -5,6 +5,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.BiFunction;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
 import reve.core.unit.Unit;
@@ -29,14 +30,17 @@ final class PhysicalReader {
     private final WorldPrototype prototype;
     private final PhysicsReader physics;
     private final Assets assets;
+    private final BiFunction<Node, String, String> pathOf;
     private final Problems problems;
     private final Quantities quantities;
 
+    /** @param pathOf where a file is that a value names, as the assets take it */
     PhysicalReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
-            Problems problems) {
+            BiFunction<Node, String, String> pathOf, Problems problems) {
         this.prototype = prototype;
         this.physics = physics;
         this.assets = assets;
+        this.pathOf = pathOf;
         this.problems = problems;
         this.quantities = new Quantities(problems);
     }
@@ -129,14 +133,14 @@ final class PhysicalReader {
     }
 
     private Optional<Shape> file(Node node) {
-        return node.text().flatMap(path -> load(node, () -> assets.mesh(path)));
+        return node.text().flatMap(path -> load(node, () -> assets.mesh(pathOf.apply(node, path))));
     }
 
     private void material(Node node, ItemDefinition.Builder item) {
         double roughness = fraction(node, "roughness", Material.DEFAULT.roughness());
         double metallic = fraction(node, "metallic", Material.DEFAULT.metallic());
         Optional<Texture> texture = node.get("texture").flatMap(path -> path.text()
-                .flatMap(text -> load(path, () -> assets.texture(text))));
+                .flatMap(text -> load(path, () -> assets.texture(pathOf.apply(path, text)))));
         Colour colour = node.get("colour").flatMap(Node::text).filter(text -> text.startsWith("#"))
                 .map(Colour::parse).orElse(Colour.WHITE);
         attempt(node, () -> item.material(

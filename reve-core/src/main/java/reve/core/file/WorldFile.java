@@ -96,7 +96,8 @@ public final class WorldFile {
         SchemaCheck.checkItem(item, problems);
         var physics = new PhysicsReader(prototype, Set.of(), problems);
         Optional<ItemDefinition> read =
-                new ItemReader(prototype, physics, assets, node -> node, problems).readAlone(item);
+                new ItemReader(prototype, physics, assets, (node, path) -> path, node -> node,
+                        problems).readAlone(item);
         problems.throwIfAny();
         return read.orElseThrow();
     }

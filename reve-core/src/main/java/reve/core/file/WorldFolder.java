@@ -1,29 +1,34 @@
 package reve.core.file;
 
+import java.io.File;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.InvalidPathException;
 import java.nio.file.Path;
+import java.util.Objects;
 import java.util.Optional;
 import org.jspecify.annotations.Nullable;
 
 /** The folder of a world file: what the world is made of is read from inside it and nowhere else. */
 final class WorldFolder {
     private final @Nullable Path root;
+    /** As the world file's name has it. */
+    private final @Nullable Path named;
     private final Allowance bytes = new Allowance(SourceText.MAX_BYTES);
 
-    private WorldFolder(@Nullable Path root) {
+    private WorldFolder(@Nullable Path root, @Nullable Path named) {
         this.root = root;
+        this.named = named;
     }
 
     /** The folder that a world file stands in. */
     static WorldFolder of(Path worldFile) {
-        return new WorldFolder(worldFile.toAbsolutePath().getParent());
+        return new WorldFolder(worldFile.toAbsolutePath().getParent(), worldFile.getParent());
     }
 
     /** Of a text that is no file: there is nothing beside it. */
     static WorldFolder none() {
-        return new WorldFolder(null);
+        return new WorldFolder(null, null);
     }
 
     /**
@@ -50,6 +55,16 @@ final class WorldFolder {
         }
         problems.add(node, node.label() + ": `" + Node.shorten(name.get()) + "` " + refusal);
         return Optional.empty();
+    }
+
+    /** The path within the folder, {@code /} between names, of what a file there calls that. */
+    String pathOf(Node node, String name) {
+        Path beside = Path.of(node.file()).getParent();
+        if (root == null || Objects.equals(beside, named)) {
+            return name;
+        }
+        Path within = named == null ? beside : named.relativize(beside);
+        return within.toString().replace(File.separatorChar, '/') + "/" + name;
     }
 
     /**

@@ -37,7 +37,8 @@ final class WorldReader {
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
         var expansion = new Expansion(source, problems);
         var itemReader =
-                new ItemReader(prototype, physics, assets, expansion::complete, problems);
+                new ItemReader(prototype, physics, assets, source.folder()::pathOf,
+                        expansion::complete, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
         List<LawReference> laws = laws(source.all("laws"));
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));

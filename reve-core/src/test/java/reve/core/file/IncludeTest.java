@@ -148,6 +148,32 @@ class IncludeTest {
     }
 
     @Test
+    void whatAnIncludedFileNamesLiesBesideIt() throws Exception {
+        Files.createDirectories(folder.resolve("parts/models"));
+        write("world.yaml", START + """
+                include: [parts/signs.yaml]
+                items:
+                  - {name: here, physical: {shape: mesh, file: parts/models/sign.obj}}
+                  - {name: there, like: sign}
+                """);
+        write("parts/signs.yaml", """
+                prefabs: {sign: {physical: {shape: mesh, file: models/sign.obj}}}
+                items:
+                  - {name: "post {i}", repeat: posts.csv, physical: {location: "{[x, 0, 0]}"}}
+                """);
+        write("parts/posts.csv", "x\n7\n");
+        write("parts/models/sign.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+
+        WorldDescription world = WorldFile.load(folder.resolve("world.yaml"));
+
+        assertThat(world.items()).extracting(ItemDefinition::name)
+                .containsExactly("post 0", "here", "there");
+        assertThat(world.items().get(2).shape()).as("one file, read once")
+                .isSameAs(world.items().get(1).shape());
+        assertThat(world.items().getFirst().location()).containsExactly(7, 0, 0);
+    }
+
+    @Test
     void deepIncludesAreRefused() throws IOException {
         write("world.yaml", START + "include: [p0.yaml]\n");
         for (int i = 0; i < 20; i++) {

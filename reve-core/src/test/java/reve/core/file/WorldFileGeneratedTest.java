@@ -21,7 +21,7 @@ import reve.core.world.World;
  */
 class WorldFileGeneratedTest {
     private static final int FILES = 200;
-    private static final int MUTATIONS = 3000;
+    private static final int MUTATIONS = Integer.getInteger("reve.file.mutants", 3000);
 
     private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
     private final Random random = new Random(seed);
