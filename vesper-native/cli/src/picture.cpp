@@ -10,7 +10,7 @@ namespace {
 
 constexpr uint32_t kSphere = 1, kPlane = 3, kMesh = 4;      // shapes of SCENE.md
 constexpr uint32_t kUnlit = 1, kGrid = 2, kFade = 4;        // item flags of SCENE.md
-constexpr uint32_t kDefaultMaterial = 0;
+constexpr uint32_t kDefaultMaterial = 0, kNoItem = 0;
 constexpr std::array<uint32_t, 2> kAllTriangles{0, 0};
 constexpr uint32_t kSamples = 4, kShadows = 1, kPerspective = 0;
 constexpr double kFitFov = 34;     // [degrees]
@@ -66,6 +66,7 @@ Message Instances(uint32_t shape, uint32_t mesh, const std::vector<Point>& posit
   for (const float size : sizes) message.Put(Point{size, size, size});
   message.PutAll(std::span(colours));
   PutRepeated(message, flags, count);
+  PutRepeated(message, kNoItem, count);
   return message;
 }
 
@@ -267,6 +268,7 @@ void PictureWriter::SendLines(const Layer& layer) {
   for (const uint64_t row : layer.rows) message.Put(PositionOf(ends, row, 1));
   const std::vector<Colour> colours = ColoursOf(layer);
   message.PutAll(std::span(colours));
+  PutRepeated(message, kNoItem, layer.rows.size());
   renderer_.Send(message);
 }
 

@@ -18,7 +18,7 @@ namespace vesper::cli {
 namespace {
 
 constexpr timeval kPatience{120, 0};  // [s], for one picture
-constexpr uint32_t kStreamVersion = 2;
+constexpr uint32_t kStreamVersion = 3;
 constexpr uint32_t kLargestAnswer = 1 << 16;  // [B]; pictures go to files
 
 enum AnswerStatus : uint32_t { kOk = 0, kOutput = 2 };
