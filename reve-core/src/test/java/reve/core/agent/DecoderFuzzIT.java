@@ -17,6 +17,9 @@ class DecoderFuzzIT {
     /** Inputs that are tried; ten million for a whole run. */
     private static final int RUNS = Integer.getInteger("reve.fuzz.runs", 50_000);
 
+    /** The heap's limit counts: to libFuzzer, a process is as large as the one that started it once was. */
+    private static final String NO_RSS_LIMIT = "-rss_limit_mb=0";
+
     @TempDir
     private Path folder;
 
@@ -30,7 +33,7 @@ class DecoderFuzzIT {
                 System.getProperty("java.class.path"), "com.code_intelligence.jazzer.Jazzer",
                 "--target_class=" + DecoderFuzzer.class.getName(),
                 "--instrumentation_includes=reve.core.agent.**:tools.jackson.core.**:org.msgpack.**", "-runs=" + RUNS,
-                "-seed=" + seed, "-max_len=8192", "-timeout=300", corpus.toString())
+                "-seed=" + seed, "-max_len=8192", "-timeout=300", NO_RSS_LIMIT, corpus.toString())
                 .directory(folder.toFile()).redirectErrorStream(true).start();
         jazzer.getOutputStream().close();
         String said = new String(jazzer.getInputStream().readAllBytes(), StandardCharsets.UTF_8);

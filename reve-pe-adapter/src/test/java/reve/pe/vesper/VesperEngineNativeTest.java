@@ -108,7 +108,7 @@ class VesperEngineNativeTest {
                 .containsExactly("hooke_spring", "newton_motion");
             PhysicsLaw motion = laws.get(1);
             assertThat(motion.phase()).isEqualTo(Phase.INTEGRATE);
-            assertThat(motion.calls()).isEqualTo(6); // before the forces, and after them
+            assertThat(motion.calls()).isEqualTo(3); // after the forces of each step
             assertThat(motion.uses()).filteredOn(use -> use.name().equals("position"))
                 .extracting(PropertyUse::access).containsExactly(Set.of(Access.READ, Access.WRITE));
         }
