@@ -100,17 +100,22 @@ class Welcome:
 
 @dataclass(frozen=True)
 class Parameter:
-    """What an action takes. `components` and `unit` are given for type "number" only."""
+    """What an action takes. What follows the type is given for "number" only: how many, in which unit, and within
+    which bounds each of them, if there are any.
+    """
 
     type: str
     components: Optional[int] = None
     unit: Optional[str] = None
+    min: Optional[float] = None
+    max: Optional[float] = None
 
 
 @dataclass(frozen=True)
 class Item:
     """One item as perceived. `location` is x, y, z [m] in the world's frame and `orientation` a unit
-    quaternion x, y, z, w; `location` is None for what has no place, or one that we do not sense.
+    quaternion x, y, z, w; `location` is None for what has no place, or one that we do not sense. `needs` are the
+    capabilities that a body must have for an action, of those that need any; `capabilities` are the item's own.
     """
 
     name: str
@@ -118,6 +123,8 @@ class Item:
     symbols: Mapping[str, Value]
     actions: Mapping[str, Mapping[str, Parameter]]
     orientation: Tuple[float, float, float, float] = NOT_TURNED
+    needs: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    capabilities: Tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -161,6 +168,7 @@ class Change:
     orientation: Optional[Tuple[float, float, float, float]] = None
     symbols: Optional[Mapping[str, Value]] = None
     actions: Optional[Mapping[str, Mapping[str, Parameter]]] = None
+    needs: Optional[Mapping[str, Sequence[str]]] = None
 
 
 @dataclass(frozen=True)
@@ -455,6 +463,8 @@ def _item(item: Message) -> Item:
         symbols=change.symbols or {},
         actions=change.actions or {},
         orientation=change.orientation or NOT_TURNED,
+        needs=change.needs or {},
+        capabilities=tuple(item.get("capabilities", ())),
     )
 
 
@@ -469,11 +479,12 @@ def _change(item: Message) -> Change:
         symbols=item.get("symbols"),
         actions=None if actions is None else {
             action: {
-                name: Parameter(p["type"], p.get("components"), p.get("unit"))
+                name: Parameter(p["type"], p.get("components"), p.get("unit"), p.get("min"), p.get("max"))
                 for name, p in parameters.items()
             }
             for action, parameters in actions.items()
         },
+        needs=item.get("needs"),
     )
 
 

@@ -61,7 +61,8 @@ def item(perceived):
     if isinstance(perceived, reve.Item):
         if perceived.orientation == protocol.NOT_TURNED:
             del fields["orientation"]
-        for sensed in ("symbols", "actions"):
+        fields["capabilities"] = list(perceived.capabilities)
+        for sensed in ("symbols", "actions", "needs", "capabilities"):
             if not fields[sensed]:
                 del fields[sensed]
     if "actions" in fields:

@@ -4,6 +4,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalDouble;
 import java.util.OptionalInt;
 import java.util.OptionalLong;
 
@@ -59,9 +60,12 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
      * @param orientation in the world's frame
      * @param symbols String, Double, Boolean or a List of these by name
      * @param actions by name: parameters by name
+     * @param needs capabilities that the body of who acts must have, by action; those that need none are left out
+     * @param capabilities the item's own
      */
     public record Item(String name, Optional<Location> location, Orientation orientation,
-            Map<String, Object> symbols, Map<String, Map<String, Parameter>> actions) {}
+            Map<String, Object> symbols, Map<String, Map<String, Parameter>> actions,
+            Map<String, List<String>> needs, List<String> capabilities) {}
 
     /** A place in the world's frame [m], +Y up. */
     public record Location(double x, double y, double z) {}
@@ -76,9 +80,12 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
     /**
      * What an action takes.
      *
-     * @param type "number", "text" or "truth"
+     * @param type "number", "text", "truth" or "item"
      * @param components how many numbers, for numbers only
      * @param unit that they are in, for numbers only
+     * @param min least value of each of them, if there is a bound
+     * @param max greatest value of each of them, if there is a bound
      */
-    public record Parameter(String type, OptionalInt components, Optional<String> unit) {}
+    public record Parameter(String type, OptionalInt components, Optional<String> unit, OptionalDouble min,
+            OptionalDouble max) {}
 }

@@ -11,6 +11,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalDouble;
 import java.util.OptionalInt;
 import java.util.OptionalLong;
 import java.util.function.Function;
@@ -266,7 +267,8 @@ final class Protocol {
         Update.Change change = change(item);
         return new Perception.Item(change.name(), change.location(),
                 change.orientation().orElse(Perception.Orientation.NONE), change.symbols().orElse(Map.of()),
-                change.actions().orElse(Map.of()));
+                change.actions().orElse(Map.of()), change.needs().orElse(Map.of()),
+                list(item.path("capabilities"), JsonNode::stringValue));
     }
 
     private static Update.Change change(JsonNode item) {
@@ -276,7 +278,8 @@ final class Protocol {
                 item.optional("orientation").map(turn -> new Perception.Orientation(number(turn, 0), number(turn, 1),
                         number(turn, 2), number(turn, 3))),
                 item.optional("symbols").map(symbols -> map(symbols, Protocol::value)),
-                item.optional("actions").map(actions -> map(actions, action -> map(action, Protocol::parameter))));
+                item.optional("actions").map(actions -> map(actions, action -> map(action, Protocol::parameter))),
+                item.optional("needs").map(needs -> map(needs, names -> list(names, JsonNode::stringValue))));
     }
 
     private static double number(JsonNode list, int index) {
@@ -287,7 +290,12 @@ final class Protocol {
         JsonNode components = parameter.path("components");
         return new Perception.Parameter(text(parameter, "type"),
                 components.isNumber() ? OptionalInt.of(components.intValue()) : OptionalInt.empty(),
-                optional(parameter, "unit"));
+                optional(parameter, "unit"), bound(parameter, "min"), bound(parameter, "max"));
+    }
+
+    private static OptionalDouble bound(JsonNode parameter, String which) {
+        JsonNode bound = parameter.path(which);
+        return bound.isNumber() ? OptionalDouble.of(bound.doubleValue()) : OptionalDouble.empty();
     }
 
     private static <T> Map<String, T> map(JsonNode object, Function<JsonNode, T> read) {

@@ -266,10 +266,15 @@ class ProtocolTest {
 
     /** An item says what it does not say by default. */
     private static JsonNode written(Perception.Item item) {
-        return written(new Update.Change(item.name(), item.location(),
+        ObjectNode json = (ObjectNode) written(new Update.Change(item.name(), item.location(),
                 Optional.of(item.orientation()).filter(turn -> !turn.equals(Perception.Orientation.NONE)),
                 Optional.of(item.symbols()).filter(symbols -> !symbols.isEmpty()),
-                Optional.of(item.actions()).filter(actions -> !actions.isEmpty())));
+                Optional.of(item.actions()).filter(actions -> !actions.isEmpty()),
+                Optional.of(item.needs()).filter(needs -> !needs.isEmpty())));
+        if (!item.capabilities().isEmpty()) {
+            json.set("capabilities", JSON.valueToTree(item.capabilities()));
+        }
+        return json;
     }
 
     private static JsonNode written(Update.Change change) {
@@ -278,6 +283,7 @@ class ProtocolTest {
         change.orientation().ifPresent(turn ->
                 json.putArray("orientation").add(turn.x()).add(turn.y()).add(turn.z()).add(turn.w()));
         change.symbols().ifPresent(symbols -> json.set("symbols", JSON.valueToTree(symbols)));
+        change.needs().ifPresent(needs -> json.set("needs", JSON.valueToTree(needs)));
         change.actions().ifPresent(all -> {
             ObjectNode actions = json.putObject("actions");
             all.forEach((action, parameters) -> {
@@ -286,6 +292,8 @@ class ProtocolTest {
                     ObjectNode fields = one.putObject(name).put("type", parameter.type());
                     parameter.components().ifPresent(count -> fields.put("components", count));
                     put(fields, "unit", parameter.unit());
+                    parameter.min().ifPresent(bound -> fields.put("min", bound));
+                    parameter.max().ifPresent(bound -> fields.put("max", bound));
                 });
             });
         });
