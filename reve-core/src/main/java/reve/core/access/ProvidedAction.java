@@ -39,8 +39,8 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
         terms.require(this, call);
         Changes changes;
         try {
-            List<Effect> effects = List.copyOf(call.world().inspect("action " + provider.name(),
-                    () -> provider.decide(call)));
+            List<Effect> effects = List.copyOf(call.world().guard().inspect(
+                    "action " + provider.name(), () -> provider.decide(call)));
             Changes.requireCompatible(name, effects);
             changes = Changes.prepare(call, effects);
         } catch (RuntimeException | LinkageError | StackOverflowError failed) {

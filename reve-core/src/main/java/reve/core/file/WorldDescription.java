@@ -1,7 +1,9 @@
 package reve.core.file;
 
+import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.Collections;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -73,6 +75,25 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
                 .filter(body -> world.find(body).isPresent()).toList();
         return new WorldDescription(name, doc, prototype, timing, world.age(), nowLoaded, now, camera,
                 new AgentPolicy(bodies, agents.template()), rules,
-                world.itemsInOrderOfRows().stream().map(Item::definition).toList());
+                inOrderOfRows(world).stream().map(Item::definition).toList());
+    }
+
+    /**
+     * All items but {@code world}, so that adding them in this order to an empty world of the same
+     * prototype gives each that takes part in physics the row that it has here: in the order of
+     * their ids as far as the order of the rows allows.
+     */
+    private static List<Item> inOrderOfRows(World world) {
+        Map<String, Integer> rows = new HashMap<>();
+        List<Item> ordered = new ArrayList<>();
+        for (Item item : world.items()) {
+            if (item.physics().isEmpty()) {
+                ordered.add(item);
+            } else if (!item.kind().equals(WorldPrototype.WORLD)) {
+                int row = rows.merge(item.kind(), 1, Integer::sum) - 1;
+                ordered.add(world.table(item.kind()).itemAt(row));
+            }
+        }
+        return ordered;
     }
 }

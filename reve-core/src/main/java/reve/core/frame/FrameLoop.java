@@ -67,7 +67,7 @@ public final class FrameLoop {
 
     /** Makes one frame at once, without pacing and whatever the gate says. */
     public void step() {
-        world.claim();
+        world.guard().claim();
         runErrands();
         begin();
         make();
@@ -143,7 +143,7 @@ public final class FrameLoop {
      * @param count 0 only publishes frame 0, if that has not happened yet
      */
     public void run(long count) {
-        world.claim();
+        world.guard().claim();
         begin();
         runner = Thread.currentThread();
         try {
@@ -260,9 +260,9 @@ public final class FrameLoop {
         long start = clock.nanoTime();
         event.set(frame, phase);
         if (phase.structureMayChange()) {
-            world.unlockStructure();
+            world.guard().unlockStructure();
         } else {
-            world.lockStructure(phase.name());
+            world.guard().lockStructure(phase.name());
         }
         making = true;
         bus.dispatch(event);

@@ -8,7 +8,7 @@ import java.lang.foreign.MemorySegment;
 public final class Column extends ColumnView {
 
     private final Table table;
-    private final World world;
+    private final WorldGuard guard;
     private MemorySegment memory;
     private MemorySegment used;
     private long version;
@@ -18,7 +18,7 @@ public final class Column extends ColumnView {
     Column(Table table, PropertyDescriptor descriptor, MemorySegment memory) {
         super(descriptor);
         this.table = table;
-        this.world = table.world();
+        this.guard = table.world().guard();
         this.memory = memory;
         this.used = memory.asSlice(0, 0);
     }
@@ -45,7 +45,7 @@ public final class Column extends ColumnView {
 
     /** As {@link #setDouble}, by an aspect, which notes the change itself. */
     void write(int row, int component, double value) {
-        world.requireEditable();
+        guard.requireEditable();
         long offset = offset(row, component);
         switch (type()) {
             case F64 -> memory.set(DOUBLE, offset, value);
@@ -81,7 +81,7 @@ public final class Column extends ColumnView {
 
     /** As {@link #setInt}, by an aspect, which notes the change itself. */
     void write(int row, int component, int value) {
-        world.requireEditable();
+        guard.requireEditable();
         memory.set(INT, offset(row, component), value);
         version++;
     }
@@ -110,7 +110,7 @@ public final class Column extends ColumnView {
     private void noteEdit() {
         if (!editNoted) {
             editNoted = true;
-            world.noteEdited(this);
+            table.world().noteEdited(this);
         }
     }
 
@@ -121,7 +121,7 @@ public final class Column extends ColumnView {
 
     /** References are set by the world only, which counts them. */
     void setReference(int row, int component, long value) {
-        world.requireEditable();
+        guard.requireEditable();
         memory.set(LONG, offset(row, component), value);
         version++;
     }

@@ -47,7 +47,7 @@ public final class Forces {
 
     /** Adds a force, from the next PHYSICS on. It ends early if the item goes. */
     public void add(Force force) {
-        world.requireEditable();
+        world.guard().requireEditable();
         active.add(force);
         world.note(new WorldChange.Pushed(force));
     }

@@ -130,7 +130,7 @@ public final class Item {
 
     /** The current row, after checking thread and life. */
     int checkedRow() {
-        world().checkOwner();
+        world().guard().checkOwner();
         if (row == REMOVED) {
             throw new IllegalStateException(this + " was removed from world " + world().name());
         }

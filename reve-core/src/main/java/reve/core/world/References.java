@@ -77,7 +77,7 @@ final class References {
     }
 
     /** Adds those that refer to any of the targets or are attached to one. */
-    void addReferrers(Collection<Item> targets, Set<Item> into) {
+    private void addReferrers(Collection<Item> targets, Set<Item> into) {
         for (Item target : targets) {
             into.addAll(target.children());
         }
@@ -98,6 +98,23 @@ final class References {
                 }
             }
         }
+    }
+
+    /**
+     * An item, then all that refer to it or are attached to it, directly or not; in an order that
+     * equal worlds share.
+     */
+    List<Item> withReferrers(Item item) {
+        Set<Item> all = new LinkedHashSet<>(List.of(item));
+        Set<Item> latest = all;
+        while (!latest.isEmpty()) {
+            Set<Item> next = new LinkedHashSet<>();
+            addReferrers(latest, next);
+            next.removeAll(all);
+            all.addAll(next);
+            latest = next;
+        }
+        return List.copyOf(all);
     }
 
     /** Who refers to an item or is attached to it, for messages. */

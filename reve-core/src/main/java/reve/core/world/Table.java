@@ -20,6 +20,7 @@ public final class Table implements TableView {
 
     private final World world;
     private final String kind;
+    private final Layout layout;
     private final Column ids;
     private final List<Column> columns;
     private final List<Column> allColumns;
@@ -30,9 +31,10 @@ public final class Table implements TableView {
     private int rowCount;
     private int physicsRowCount;
 
-    Table(World world, String kind) {
+    Table(World world, String kind, Layout layout) {
         this.world = world;
         this.kind = kind;
+        this.layout = layout;
         items = new Item[kind.equals(WorldPrototype.WORLD) ? 1 : INITIAL_CAPACITY];
         ids = create(new PropertyDescriptor("id", kind, ScalarType.REF, 1, Unit.parse("1"),
                 Optional.of(kind), "The item in each row."));
@@ -134,6 +136,7 @@ public final class Table implements TableView {
         items[row] = item;
         item.row = row;
         ids.setReference(row, 0, item.id().value());
+        layout.rowsMoved();
     }
 
     /** Takes an item's row away; the last row of each part moves into the gap. */
@@ -147,6 +150,7 @@ public final class Table implements TableView {
         items[rowCount] = null;
         item.row = Item.REMOVED;
         clear(rowCount, 1);
+        layout.rowsMoved();
     }
 
     /** Moves a scenery row to the end of the physics part, values included. */
@@ -164,6 +168,7 @@ public final class Table implements TableView {
             displaced.row = from;
             clear(spare, 1);
         }
+        layout.rowsMoved();
     }
 
     /** Moves a physics row to the scenery part and zeroes its physics properties. */
@@ -181,6 +186,7 @@ public final class Table implements TableView {
             clear(spare, 1);
         }
         physicsByName.values().forEach(column -> column.clearRows(to, 1));
+        layout.rowsMoved();
     }
 
     /** Makes room for that many rows, at least doubling when more memory is needed. */
@@ -208,10 +214,11 @@ public final class Table implements TableView {
             items[row] = itemById.apply(ids.getReference(row, 0));
             items[row].row = row;
         }
+        layout.rowsMoved();
     }
 
     private void grow(Column column, int capacity) {
-        world.retire(column.moveTo(reserve(column.descriptor(), capacity)));
+        layout.replace(column.moveTo(reserve(column.descriptor(), capacity)));
     }
 
     private void move(int from, int to) {
@@ -250,6 +257,6 @@ public final class Table implements TableView {
     }
 
     private MemorySegment reserve(PropertyDescriptor property, int rows) {
-        return world.reserve(kind + "." + property.name(), (long) rows * property.rowBytes());
+        return layout.reserve(kind + "." + property.name(), (long) rows * property.rowBytes());
     }
 }

@@ -1,55 +1,39 @@
 package reve.core.world;
 
-import java.lang.foreign.MemorySegment;
 import java.util.ArrayList;
 import java.util.HashMap;
-import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
-import java.util.Set;
 import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 
 /**
  * The virtual world store: one {@link Table} of columns per kind for numbers, one immutable map for
- * what is symbolic.
+ * what is symbolic. Here items come, go, change their names and move with each other; what they are
+ * is changed through their aspects ({@link Item}).
  *
- * <p>One thread owns a world: at first the one that made it, then the one that last called
- * {@link #claim()}; {@code FrameLoop} claims for whoever runs it. No other thread may touch it or
- * anything it hands out; they read a {@link WorldSnapshot}. With {@code -Dreve.check.thread=true}
- * this is checked.
- *
- * <p>Items come and go only while the structure is unlocked: not in PHYSICS, DERIVE and PUBLISH.
+ * <p>One thread owns a world and all it hands out; the others read a {@link WorldSnapshot}. Its
+ * {@link #guard()} says which thread that is and what may be changed now: items come and go only
+ * while the structure is unlocked, not in PHYSICS, DERIVE and PUBLISH.
  */
 public final class World {
 
-    private static final boolean CHECK_THREAD = Boolean.getBoolean("reve.check.thread");
-
-    /** Changes that a frame keeps; more are only counted. */
-    public static final int MAX_CHANGES_PER_FRAME = 1 << 20;
-
     private final String name;
     private final WorldPrototype prototype;
-    private final ColumnArena arena;
+    private final WorldGuard guard;
+    private final Layout layout;
     private final Map<String, Table> tableByKind = new HashMap<>();
     private final List<Table> tables;
     private final Register register = new Register();
-    private final List<MemorySegment> retired = new ArrayList<>();
-    private final FrameLog<WorldEvent> events = new FrameLog<>(Integer.MAX_VALUE);
-    private final FrameLog<WorldChange> changes = new FrameLog<>(MAX_CHANGES_PER_FRAME);
-    private final List<Column> directlyEdited = new ArrayList<>();
+    private final FrameRecord record = new FrameRecord();
     private final Hierarchy hierarchy;
     private final References references;
     private final Forces forces;
     private final Relations relations;
     private final Space space;
     private long boundsVersion;
-    private volatile Thread owner = Thread.currentThread();
-    private @Nullable String lockedBy;
-    private @Nullable String inspectedBy;
-    private long layoutVersion;
     private long age;
 
     /**
@@ -64,8 +48,9 @@ public final class World {
     public World(String name, WorldPrototype prototype, ColumnArena arena) {
         this.name = Names.requireWorldName(name);
         this.prototype = prototype;
-        this.arena = arena;
-        tables = prototype.kinds().stream().map(kind -> new Table(this, kind)).toList();
+        guard = new WorldGuard(name);
+        layout = new Layout(arena);
+        tables = prototype.kinds().stream().map(kind -> new Table(this, kind, layout)).toList();
         tables.forEach(table -> tableByKind.put(table.kind(), table));
         hierarchy = new Hierarchy(table(WorldPrototype.BODY));
         references = new References(tables, register);
@@ -84,21 +69,26 @@ public final class World {
         return prototype;
     }
 
+    /** Which thread owns the world, and what it may change now. */
+    public WorldGuard guard() {
+        return guard;
+    }
+
     /** Frames of simulated time that the world has behind it; with an older image they come back. */
     public long age() {
-        checkOwner();
+        guard.checkOwner();
         return age;
     }
 
     /** How old the world is when it begins; for whoever builds it. */
     public void setAge(long frames) {
-        checkOwner();
+        guard.checkOwner();
         age = frames;
     }
 
     /** Time goes on by a frame; told by who makes frames. */
     public void beginFrame() {
-        checkOwner();
+        guard.checkOwner();
         age++;
     }
 
@@ -117,7 +107,7 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public List<Item> addAll(List<ItemDefinition> definitions) {
-        requireUnlocked("add items");
+        guard.requireUnlocked("add items");
         new DefinitionCheck(this, definitions).run();
         makeRoom(definitions);
         var added = new ArrayList<Item>(definitions.size());
@@ -125,13 +115,12 @@ public final class World {
             added.add(insert(definition, definition.hasPhysics()));
         }
         register.addAll(added);
-        layoutVersion++;
         for (int i = 0; i < added.size(); i++) {
             link(added.get(i), definitions.get(i));
         }
         hierarchy.placeNew(added);
         if (!added.isEmpty()) {
-            changes.add(new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions)));
+            record.note(new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions)));
         }
         return List.copyOf(added);
     }
@@ -151,7 +140,7 @@ public final class World {
         Item item = removable(id);
         requireRemovable(id);
         delete(item);
-        changes.add(new WorldChange.Removed(id, item.name(), List.of()));
+        record.note(new WorldChange.Removed(id, item.name(), List.of()));
     }
 
     /** Throws as {@link #remove} would now for the item's sake, and removes nothing. */
@@ -170,22 +159,12 @@ public final class World {
      * not; else as {@link #remove}.
      */
     public void removeCascade(ItemId id) {
-        Set<Item> doomed = new LinkedHashSet<>();
         Item item = removable(id);
-        doomed.add(item);
-        Set<Item> latest = doomed;
-        while (!latest.isEmpty()) {
-            Set<Item> next = new LinkedHashSet<>();
-            references.addReferrers(latest, next);
-            next.removeAll(doomed);
-            doomed.addAll(next);
-            latest = next;
-        }
-        List<Item> order = new ArrayList<>(doomed).reversed();
+        List<Item> order = references.withReferrers(item).reversed();
         order.forEach(this::delete);
         List<ItemId> cascade = order.stream().filter(other -> other != item).map(Item::id)
                 .toList();
-        changes.add(new WorldChange.Removed(id, item.name(), cascade));
+        record.note(new WorldChange.Removed(id, item.name(), cascade));
     }
 
     /**
@@ -195,7 +174,7 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void rename(ItemId id, String newName) {
-        requireUnlocked("rename items");
+        guard.requireUnlocked("rename items");
         Item item = item(id);
         String oldName = item.name();
         if (newName.equals(oldName)) {
@@ -205,7 +184,7 @@ public final class World {
         DefinitionCheck.requireFree(Names.require("new name of " + item, newName),
                 register.find(newName) != null);
         setSymbols(item, item.symbols().renamed(newName));
-        changes.add(new WorldChange.Renamed(id, oldName, newName));
+        record.note(new WorldChange.Renamed(id, oldName, newName));
     }
 
     /** Throws as {@link #attach} would now for the items' sake, and attaches nothing. */
@@ -232,13 +211,13 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void attach(ItemId child, ItemId parent, Pose pose) {
-        requireUnlocked("attach items");
+        guard.requireUnlocked("attach items");
         Item item = item(child);
         hierarchy.requireAttachable(item, item(parent));
         Attachment before = item.symbols().attachment();
         setAttachment(item, item(parent), pose);
         hierarchy.settle(item);
-        changes.add(new WorldChange.Attached(child, before, item.attachment()));
+        record.note(new WorldChange.Attached(child, before, item.attachment()));
     }
 
     /**
@@ -248,7 +227,7 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void detach(ItemId child) {
-        requireUnlocked("detach items");
+        guard.requireUnlocked("detach items");
         Item item = item(child);
         if (item.parent == null) {
             throw new IllegalArgumentException(item + " is not attached to anything");
@@ -257,38 +236,38 @@ public final class World {
         hierarchy.settle(item);
         hierarchy.unlink(item);
         setSymbols(item, item.symbols().attached(null));
-        changes.add(new WorldChange.Detached(child, before));
+        record.note(new WorldChange.Detached(child, before));
     }
 
     /** Which bodies are where, as of the last DERIVE. */
     public Space space() {
-        checkOwner();
+        guard.checkOwner();
         return space;
     }
 
     /** How bodies are to each other, as of the last DERIVE. */
     public Relations relations() {
-        checkOwner();
+        guard.checkOwner();
         return relations;
     }
 
     /** The boxes around bodies were worked out anew; told in DERIVE. */
     public void boundsDerived() {
-        checkOwner();
+        guard.checkOwner();
         boundsVersion++;
     }
 
     private Space spaceOf(Table bodies) {
         return new Space(bodies.ids(), bodies.column("boundsMin"), bodies.column("boundsMax"),
                 () -> {
-                    checkOwner();
+                    guard.checkOwner();
                     return boundsVersion;
                 }, id -> register.find(new ItemId(id)) != null);
     }
 
     /** Puts what is attached where its parents are; in DERIVE, before anything looks. */
     public void placeAttached() {
-        checkOwner();
+        guard.checkOwner();
         hierarchy.place();
     }
 
@@ -301,7 +280,7 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void restore(WorldImage image) {
-        requireUnlocked("restore an image");
+        guard.requireUnlocked("restore an image");
         for (int i = 0; i < tables.size(); i++) {
             image.tables().get(i).requireOf(tables.get(i));
         }
@@ -314,24 +293,23 @@ public final class World {
         hierarchy.restore(register.items());
         boundsVersion++;
         age = image.age();
-        changes.add(new WorldChange.Restored(image.frame()));
-        layoutVersion++;
+        record.note(new WorldChange.Restored(image.frame()));
     }
 
     public Optional<Item> find(String itemName) {
-        checkOwner();
+        guard.checkOwner();
         return Optional.ofNullable(register.find(itemName));
     }
 
     /** The item of that id, as long as it is there. */
     public Optional<Item> find(ItemId id) {
-        checkOwner();
+        guard.checkOwner();
         return Optional.ofNullable(register.find(id));
     }
 
     /** @throws IllegalArgumentException if there is no such item (any more) */
     public Item item(ItemId id) {
-        checkOwner();
+        guard.checkOwner();
         Item item = register.find(id);
         if (item == null) {
             throw new IllegalArgumentException("world " + name + " has no item " + id);
@@ -347,35 +325,14 @@ public final class World {
      * @param value text, truth or a number
      */
     public List<Item> withSymbol(String symbol, Object value) {
-        checkOwner();
+        guard.checkOwner();
         return register.withSymbol(symbol, value);
     }
 
     /** All items in the order of their ids, the item {@code world} first; a copy. */
     public List<Item> items() {
-        checkOwner();
+        guard.checkOwner();
         return register.items();
-    }
-
-    /**
-     * All items but {@code world}, so that adding them in this order to an empty world of the same
-     * prototype gives each that takes part in physics the row that it has here: in the order of
-     * their ids as far as the order of the rows allows.
-     */
-    public List<Item> itemsInOrderOfRows() {
-        checkOwner();
-        Map<Table, Integer> nextRow = new HashMap<>();
-        List<Item> items = register.items();
-        List<Item> ordered = new ArrayList<>(items.size());
-        for (Item item : items) {
-            if (item.kind().equals(WorldPrototype.WORLD)) {
-                continue;
-            }
-            Table table = item.table();
-            ordered.add(item.physics().isEmpty() ? item
-                    : table.itemAt(nextRow.merge(table, 1, Integer::sum) - 1));
-        }
-        return ordered;
     }
 
     /** @throws IllegalArgumentException if the prototype has no such kind */
@@ -398,12 +355,12 @@ public final class World {
      * memory stays readable until the next PHYSICS is over.
      */
     public long layoutVersion() {
-        return layoutVersion;
+        return layout.version();
     }
 
     /** What is symbolic about all items, in the order of their ids: one immutable version. */
     public PMap<ItemId, ItemSymbols> symbols() {
-        checkOwner();
+        guard.checkOwner();
         return register.symbols();
     }
 
@@ -412,8 +369,8 @@ public final class World {
      * frames.
      */
     public void raise(WorldEvent event) {
-        requireEditable();
-        events.add(event);
+        guard.requireEditable();
+        record.raise(event);
     }
 
     /**
@@ -422,17 +379,17 @@ public final class World {
      * and between frames belong to the next frame, those made before the first to frame 0.
      */
     public List<WorldChange> changes() {
-        checkOwner();
-        return changes.entries();
+        guard.checkOwner();
+        return record.changes();
     }
 
     /**
-     * How many changes of the frame were too many to keep ({@link #MAX_CHANGES_PER_FRAME}): what
+     * How many changes of the frame were too many to keep (2^20): what
      * follows a world by its changes then has to look at all of it.
      */
     public long changesLost() {
-        checkOwner();
-        return changes.lost();
+        guard.checkOwner();
+        return record.changesLost();
     }
 
     /**
@@ -440,46 +397,8 @@ public final class World {
      * same to all who ask.
      */
     public List<WorldEvent> events() {
-        checkOwner();
-        return events.entries();
-    }
-
-    /** Makes the calling thread the owner; the former owner must have stopped using the world. */
-    public void claim() {
-        owner = Thread.currentThread();
-    }
-
-    /**
-     * Refuses structural changes until {@link #unlockStructure()}; the phase appears in messages.
-     */
-    public void lockStructure(String phase) {
-        checkOwner();
-        lockedBy = phase;
-    }
-
-    public void unlockStructure() {
-        checkOwner();
-        lockedBy = null;
-    }
-
-    /**
-     * Lets somebody look at the world and change nothing: until he is done, every change is refused
-     * with an IllegalStateException that names him.
-     */
-    public <T, E extends Exception> T inspect(String who, Inspection<T, E> inspection) throws E {
-        checkOwner();
-        String outer = inspectedBy;
-        inspectedBy = who;
-        try {
-            return inspection.look();
-        } finally {
-            inspectedBy = outer;
-        }
-    }
-
-    /** What is done by somebody who changes nothing. */
-    public interface Inspection<T, E extends Exception> {
-        T look() throws E;
+        guard.checkOwner();
+        return record.events();
     }
 
     /** Forces on bodies that last for some frames. */
@@ -492,44 +411,29 @@ public final class World {
      * then.
      */
     public void releaseReplacedMemory() {
-        checkOwner();
-        for (int i = 0; i < retired.size(); i++) {
-            arena.release(retired.get(i));
-        }
-        retired.clear();
+        guard.checkOwner();
+        layout.releaseReplaced();
     }
 
     /** Begins PUBLISH: what is raised or changed from now on belongs to the next frame. */
     public void fixEvents() {
-        checkOwner();
-        events.fix();
-        changes.fix();
-        forgetDirectEdits();
+        guard.checkOwner();
+        record.fix();
     }
 
     /** Ends a frame: forgets its events and changes, fixed or not, and unlocks the structure. */
     public void endFrame() {
-        checkOwner();
-        if (!changes.isFixed()) {
-            forgetDirectEdits();
-        }
-        events.end();
-        changes.end();
-        lockedBy = null;
-    }
-
-    private void forgetDirectEdits() {
-        directlyEdited.forEach(Column::forgetEdit);
-        directlyEdited.clear();
+        guard.checkOwner();
+        record.end();
+        guard.unlockStructure();
     }
 
     void note(WorldChange change) {
-        changes.add(change);
+        record.note(change);
     }
 
     void noteEdited(Column column) {
-        directlyEdited.add(column);
-        changes.add(new WorldChange.ColumnEdited(column.descriptor().kind(), column.name()));
+        record.noteEdited(column);
     }
 
     Hierarchy hierarchy() {
@@ -541,22 +445,6 @@ public final class World {
         return register.lastId();
     }
 
-    void requireEditable() {
-        checkOwner();
-        if (inspectedBy != null) {
-            throw new IllegalStateException(inspectedBy + " may look at world " + name
-                    + ", but not change it");
-        }
-    }
-
-    void checkOwner() {
-        if (CHECK_THREAD && Thread.currentThread() != owner) {
-            throw new IllegalStateException("world " + name + " belongs to thread "
-                    + owner.getName() + ", but " + Thread.currentThread().getName()
-                    + " used it: read a snapshot, or claim() it when the owner has stopped");
-        }
-    }
-
     @Nullable Item findItem(ItemId id) {
         return register.find(id);
     }
@@ -565,34 +453,23 @@ public final class World {
         return register.find(itemName);
     }
 
-    MemorySegment reserve(String columnName, long bytes) {
-        return arena.reserve(columnName, bytes);
-    }
-
-    /** Keeps memory that a column left until all have let go of it, as the layout tells them to. */
-    void retire(MemorySegment memory) {
-        retired.add(memory);
-        layoutVersion++;
-    }
-
     void setSymbols(Item item, ItemSymbols changed) {
-        requireEditable();
+        guard.requireEditable();
         register.setSymbols(item, changed);
     }
 
     void giveFirstPhysics(Item item) {
-        requireUnlocked("give " + item + " its first physics property");
+        guard.requireUnlocked("give " + item + " its first physics property");
         List<Column> needed = item.table().references();
         if (!needed.isEmpty()) {
             throw new IllegalArgumentException(item + " is scenery without "
                     + needed.getFirst().name() + ": add it with its references instead");
         }
         item.table().promote(item);
-        layoutVersion++;
     }
 
     void takePhysics(Item item) {
-        requireUnlocked("take " + item + " out of physics");
+        guard.requireUnlocked("take " + item + " out of physics");
         requireNotConstants(item, "laws need them");
         if (item.referrers > 0) {
             throw new IllegalArgumentException(item + " cannot become scenery: "
@@ -600,11 +477,10 @@ public final class World {
         }
         references.release(item);
         item.table().demote(item);
-        layoutVersion++;
     }
 
     void setReferences(Item item, Column column, List<ItemId> targets) {
-        requireUnlocked("change " + column.name() + " of " + item);
+        guard.requireUnlocked("change " + column.name() + " of " + item);
         references.set(item, column, targets.stream().map(this::item).toList());
     }
 
@@ -652,7 +528,7 @@ public final class World {
     }
 
     private Item removable(ItemId id) {
-        requireUnlocked("remove items");
+        guard.requireUnlocked("remove items");
         Item item = item(id);
         requireNotConstants(item, "it stays");
         return item;
@@ -670,14 +546,5 @@ public final class World {
         hierarchy.unlink(item);
         item.table().remove(item);
         register.remove(item);
-        layoutVersion++;
-    }
-
-    private void requireUnlocked(String what) {
-        requireEditable();
-        if (lockedBy != null) {
-            throw new IllegalStateException("cannot " + what + " of world " + name + " in phase "
-                    + lockedBy + ": the structure changes in INTAKE, ACT or between frames only");
-        }
     }
 }

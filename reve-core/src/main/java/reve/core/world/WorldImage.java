@@ -32,7 +32,7 @@ public final class WorldImage implements AutoCloseable {
 
     /** Copies a world of the same prototype. World's thread, between frames or in PUBLISH. */
     public void copyFrom(World world, long atFrame) {
-        world.checkOwner();
+        world.guard().checkOwner();
         for (int i = 0; i < tables.size(); i++) {
             tables.get(i).copyFrom(world.tables().get(i));
         }

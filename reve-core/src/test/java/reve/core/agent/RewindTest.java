@@ -82,7 +82,7 @@ class RewindTest {
             }
             room.loop.stop();
         }
-        room.world.claim();
+        room.world.guard().claim();
     }
 
     @Test
@@ -102,7 +102,7 @@ class RewindTest {
             }
             room.loop.stop();
         }
-        room.world.claim();
+        room.world.guard().claim();
     }
 
     @Test

@@ -181,7 +181,7 @@ class SessionsTest {
         } finally {
             room.loop.stop();
             runner.join();
-            room.world.claim();
+            room.world.guard().claim();
         }
     }
 

@@ -251,7 +251,7 @@ class FrameLoopTest {
         runner.start();
         runner.join(60_000);
         assertThat(runner.isAlive()).isFalse();
-        world.claim();
+        world.guard().claim();
         long frame = loop.frame();
         loop.run(5);
         assertThat(loop.frame()).isEqualTo(frame);

@@ -185,7 +185,7 @@ class HierarchyTest {
     void theHierarchyIsFixedWhereTheStructureIs() {
         Item cart = body("cart", 0, 0, 0);
         Item wheel = body("wheel", 1, 0, 0);
-        world.lockStructure("PHYSICS");
+        world.guard().lockStructure("PHYSICS");
         assertThatIllegalStateException().isThrownBy(() -> world.attach(wheel.id(), cart.id()))
                 .withMessageContaining("PHYSICS");
         assertThatIllegalStateException().isThrownBy(() -> world.detach(wheel.id()));

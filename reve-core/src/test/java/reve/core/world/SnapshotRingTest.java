@@ -253,11 +253,11 @@ class SnapshotRingTest {
 
     /** Meanwhile this thread may not read the world, so that copying it fails half way. */
     private void ownedByAnother(Runnable meanwhile) throws InterruptedException {
-        Thread other = new Thread(world::claim);
+        Thread other = new Thread(world.guard()::claim);
         other.start();
         other.join();
         meanwhile.run();
-        world.claim();
+        world.guard().claim();
     }
 
     /** Every row says the frame it was written in; rows come and go, so memory is replaced too. */

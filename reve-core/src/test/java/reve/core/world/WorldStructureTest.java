@@ -172,7 +172,7 @@ class WorldStructureTest {
     void structureIsLockedByPhaseButValuesAreNot() {
         Item a = ball("a");
         Item lamp = world.add(ItemDefinition.named("lamp").build());
-        world.lockStructure("PHYSICS");
+        world.guard().lockStructure("PHYSICS");
         for (Runnable change : List.<Runnable>of(() -> ball("b"), () -> world.remove(a.id()),
                 () -> world.removeCascade(a.id()), () -> lamp.physics().set("mass", 1))) {
             assertThatIllegalStateException().isThrownBy(change::run)
@@ -180,7 +180,7 @@ class WorldStructureTest {
         }
         a.physics().set("mass", 2);
         lamp.physical().setLocation(1, 2, 3);
-        world.unlockStructure();
+        world.guard().unlockStructure();
         lamp.physics().set("mass", 1);
         assertThat(world.table("body").physicsRowCount()).isEqualTo(2);
     }
@@ -245,7 +245,7 @@ class WorldStructureTest {
                     refused.addAndGet(e.getMessage().contains("intruder") ? 1 : 0);
                 }
             }
-            world.claim();
+            world.guard().claim();
             a.physics().set("mass", 3);
         }, "intruder");
         other.start();
@@ -253,7 +253,7 @@ class WorldStructureTest {
         assertThat(refused).hasValue(uses.size());
         assertThatIllegalStateException().isThrownBy(() -> world.find("a"))
                 .withMessageContaining("belongs to thread intruder");
-        world.claim();
+        world.guard().claim();
         assertThat(a.physics().scalar("mass")).isEqualTo(3);
     }
 

@@ -150,7 +150,7 @@ final class HostedWorld implements AutoCloseable {
     /** Finishes pictures and journals, frees everything. May be called twice. */
     @Override
     public void close() {
-        simulation.world().claim();
+        simulation.world().guard().claim();
         closing.close();
     }
 

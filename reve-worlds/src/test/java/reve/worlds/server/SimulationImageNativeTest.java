@@ -63,7 +63,7 @@ class SimulationImageNativeTest {
             Thread seer = Thread.ofPlatform().start(() -> {
                 try (Simulation fork = live.fork(image); Simulation push = live.fork(image)) {
                     foreseen.addAll(hashes(fork, FRAMES));
-                    push.world().claim();
+                    push.world().guard().claim();
                     push.world().find("c3").orElseThrow().physics().set("velocity", 0, 50, 0);
                     push.loop().run(FRAMES);
                     pushed[0] = height(push);
