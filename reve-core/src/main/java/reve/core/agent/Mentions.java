@@ -1,6 +1,7 @@
 package reve.core.agent;
 
 import java.util.HashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
@@ -39,6 +40,12 @@ record Mentions(Map<String, Mention> byField, boolean namesItems) {
             bodyOf.apply(String.valueOf(agent)).ifPresent(name -> byField.put(AGENT, mention(name, world)));
         }
         return new Mentions(byField, namesItems);
+    }
+
+    /** All but the agent's body, unless that is named, too. */
+    List<Mention> items() {
+        return byField.entrySet().stream().filter(field -> !field.getKey().equals(AGENT)).map(Map.Entry::getValue)
+                .toList();
     }
 
     private static Mention mention(String name, Observatory world) {

@@ -15,6 +15,7 @@ import java.util.Set;
 import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
+import reve.core.space.Box;
 import reve.core.space.BoxIndex;
 import reve.core.space.Found;
 import reve.core.world.ItemId;
@@ -271,6 +272,35 @@ final class Observatory {
             }
         }
         return false;
+    }
+
+    /**
+     * Writes a box outside of which none of a body's sensors reaches anything, with the body itself.
+     *
+     * @param at where its three numbers go in both arrays
+     * @return false if there is none
+     */
+    boolean reach(List<Sensor> sensors, ItemId body, double[] lows, double[] highs, int at) {
+        int row = row(body);
+        if (row == NO_ROW) {
+            return false;
+        }
+        bodies.reach(row, lows, highs, at);
+        for (Sensor sensor : sensors) {
+            if (!sensor.isCamera()) {
+                if (Double.isInfinite(sensor.range())) {
+                    return false;
+                }
+                bodies.extendReach(sensor, WIDER * sensor.range(), row, lows, highs, at);
+            }
+        }
+        return true;
+    }
+
+    /** The box around an item; empty for what has no place. */
+    Optional<Box> box(ItemId item) {
+        int row = row(item);
+        return row == NO_ROW ? Optional.empty() : Optional.of(bodies.box(row));
     }
 
     private boolean senses(Sensor sensor, int eye, int row) {

@@ -1,8 +1,9 @@
 package reve.core.agent;
 
-import java.util.ArrayList;
-import java.util.EnumMap;
+import java.util.Collection;
+import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
@@ -29,7 +30,8 @@ final class Publisher {
     private final Queue<Happened> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger eventFrames = new AtomicInteger();
     private final AtomicInteger lostEventFrames = new AtomicInteger();
-    private final List<Session> members = new ArrayList<>();
+    private final Map<String, Session> members = new LinkedHashMap<>();
+    private final Audience audience = new Audience();
     private final Runnable wake;
     private volatile long published;
     private volatile boolean news;
@@ -98,12 +100,12 @@ final class Publisher {
 
     /** From now on the session is told what happens. */
     void admit(Session session) {
-        members.add(session);
+        members.put(session.name(), session);
     }
 
     /** The world has gone back: bodies may be others, and everybody who perceives begins anew. */
     void tellRewound(Rewound rewound) {
-        for (Session member : members) {
+        for (Session member : members.values()) {
             Optional.ofNullable(rewound.bodies().get(member.name())).ifPresent(member::embodied);
             member.perceptions().restart(rewound.frame());
         }
@@ -120,7 +122,7 @@ final class Publisher {
     }
 
     private void publish() {
-        members.removeIf(Session::hasLeft);
+        dropWhoHasLeft();
         // First the snapshot, then events, then commands: so that whoever perceives a frame has been told before
         // what happened in it, and whoever joined in a frame is there to hear its events. Events wait for the
         // snapshot of their frame, which says who perceives what they are about.
@@ -144,6 +146,16 @@ final class Publisher {
         afterFrame.run();
     }
 
+    private void dropWhoHasLeft() {
+        members.values().removeIf(member -> {
+            boolean left = member.hasLeft();
+            if (left) {
+                audience.forget(member);
+            }
+            return left;
+        });
+    }
+
     private Optional<WorldSnapshot> unservedSnapshot() {
         if (published == served) {
             return Optional.empty();
@@ -162,6 +174,9 @@ final class Publisher {
         if (lost > 0) {
             log.warn("agents will never hear the events of " + lost + " frames: too many were waiting");
         }
+        if (!events.isEmpty()) {
+            audience.locate(members.values(), observatory);
+        }
         for (Happened next = events.peek(); next != null && next.frame <= served; next = events.peek()) {
             events.remove();
             eventFrames.decrementAndGet();
@@ -172,7 +187,7 @@ final class Publisher {
     /** Whether anybody perceives a frame, or has to be able to perceive what events are about. */
     private boolean isWanted(WorldSnapshot snapshot, boolean news) {
         long frame = snapshot.frame();
-        for (Session member : members) {
+        for (Session member : members.values()) {
             if (member.perceptions().isDue(frame) || news && member.hasSensors()) {
                 return true;
             }
@@ -181,30 +196,39 @@ final class Publisher {
     }
 
     private void tell(WorldEvent event) {
-        var message = new ServerMessage.Event(event.frame(), event.type(), event.fields());
-        var encoded = new EnumMap<Encoding, byte[]>(Encoding.class);
         Mentions mentions = Mentions.in(event, observatory, this::bodyOf);
-        for (Session member : members) {
-            if (member.hasSensors()) {
-                member.hear(event, mentions, observatory);
-            } else {
-                member.tell(message, encoded.computeIfAbsent(member.encoding(), message::in));
-            }
+        var heard = new HeardEvent(event);
+        tell(audience.withoutSensors(), mentions, heard);
+        tell(audience.of(mentions, observatory), mentions, heard);
+    }
+
+    private void tell(Collection<Session> hearers, Mentions mentions, HeardEvent heard) {
+        for (Session member : hearers) {
+            member.hear(heard.event(), mentions, observatory).ifPresent(told ->
+                    member.tell(heard.with(told, member.encoding())));
         }
     }
 
     private Optional<String> bodyOf(String agent) {
-        return members.stream().filter(member -> member.name().equals(agent)).findFirst().flatMap(Session::body);
+        return Optional.ofNullable(members.get(agent)).flatMap(Session::body);
+    }
+
+    private View look(Session member) {
+        View view = member.look(observatory);
+        if (member.hasSensors()) {
+            audience.shows(member, view);
+        }
+        return view;
     }
 
     private void serve(WorldSnapshot snapshot) {
         View everything = observatory.everything();
         telling.begin(everything);
-        for (Session member : members) {
+        for (Session member : members.values()) {
             PerceptionRequests perceptions = member.perceptions();
             if (perceptions.isDue(everything.frame()) && !perceptions.serve(everything.frame(),
-                    relations -> relations ? observatory.withRelations(member.look(observatory), snapshot)
-                            : Optional.of(member.look(observatory)), member.encoding(), telling)) {
+                    relations -> relations ? observatory.withRelations(look(member), snapshot)
+                            : Optional.of(look(member)), member.encoding(), telling)) {
                 return; // overwritten while we read: the next frame is here already
             }
         }

@@ -103,6 +103,27 @@ final class SensedWorld {
         return true;
     }
 
+    Box box(int row) {
+        int at = 3 * row;
+        return new Box(low[at], low[at + 1], low[at + 2], high[at], high[at + 1], high[at + 2]);
+    }
+
+    /** Begins the box of all that a body may reach: its own. */
+    void reach(int body, double[] lows, double[] highs, int at) {
+        System.arraycopy(low, 3 * body, lows, at, 3);
+        System.arraycopy(high, 3 * body, highs, at, 3);
+    }
+
+    /** Extends it by what a sensor could reach with that range. */
+    void extendReach(Sensor sensor, double range, int body, double[] lows, double[] highs, int at) {
+        double[] from = sensor.touch() ? low : position;
+        double[] to = sensor.touch() ? high : position;
+        for (int axis = 0; axis < 3; axis++) {
+            lows[at + axis] = Math.min(lows[at + axis], from[3 * body + axis] - range);
+            highs[at + axis] = Math.max(highs[at + axis], to[3 * body + axis] + range);
+        }
+    }
+
     /** Takes the boxes of all bodies into an index. @param keys of the rows, as longs */
     void buildIndex(BoxIndex index, MemorySegment keys) {
         index.build(keys, MemorySegment.ofArray(low), MemorySegment.ofArray(high), rows);

@@ -1,8 +1,8 @@
 package reve.core.agent;
 
 import java.util.ArrayList;
+import java.util.BitSet;
 import java.util.HashMap;
-import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -83,30 +83,29 @@ final class Senses {
     }
 
     /**
-     * What the agent hears of an event: nothing if it names items and the agent perceives none of them, else all
-     * but the names of those it does not perceive. Faults are for operators.
+     * Which fields of an event the agent is told, by their place: all but the names of those it does not perceive.
+     * Empty if it hears nothing of it: it names items and the agent perceives none of them, or is for operators.
      */
-    Optional<Map<String, Object>> hear(WorldEvent event, Mentions mentions, Observatory world) {
-        if (event.type().equals(FAULT) || mentions.namesItems() && !perceivesAny(mentions, world)) {
+    Optional<BitSet> hear(WorldEvent event, Mentions mentions, Observatory world) {
+        if (event.type().equals(FAULT)) {
             return Optional.empty();
         }
-        var heard = new LinkedHashMap<String, Object>();
-        event.fields().forEach((field, value) -> {
+        var told = new BitSet();
+        boolean concerned = !mentions.namesItems();
+        int place = 0;
+        for (String field : event.fields().keySet()) {
             Mention mention = mentions.byField().get(field);
-            if (mention == null ? !field.equals(Mentions.AGENT) : perceives(world, mention)) {
-                heard.put(field, value);
-            }
-        });
-        return Optional.of(heard);
+            boolean agent = field.equals(Mentions.AGENT);
+            boolean tells = mention == null ? !agent : perceives(world, mention);
+            concerned |= tells && mention != null && !agent;
+            told.set(place++, tells);
+        }
+        return concerned ? Optional.of(told) : Optional.empty();
     }
 
-    private boolean perceivesAny(Mentions mentions, Observatory world) {
-        for (Map.Entry<String, Mention> mention : mentions.byField().entrySet()) {
-            if (!mention.getKey().equals(Mentions.AGENT) && perceives(world, mention.getValue())) {
-                return true;
-            }
-        }
-        return false;
+    /** See {@link Observatory#reach}. */
+    boolean reach(Observatory world, double[] lows, double[] highs, int at) {
+        return world.reach(sensors, body, lows, highs, at);
     }
 
     /** Something it senses now, or was told of and not yet that it has gone. */

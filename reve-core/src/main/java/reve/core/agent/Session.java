@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
+import java.util.BitSet;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
@@ -187,24 +188,30 @@ final class Session {
         return senses == null ? world.everything() : senses.look(world);
     }
 
-    /** Tells what its sensors let it know of an event. */
-    void hear(WorldEvent event, Mentions mentions, Observatory world) {
-        if (senses != null) {
-            senses.hear(event, mentions, world).ifPresent(fields -> {
-                var message = new ServerMessage.Event(event.frame(), event.type(), fields);
-                tell(message, message.in(encoding));
-            });
+    /** Which fields of an event its sensors let it know, see {@link Senses#hear}; all without sensors. */
+    Optional<BitSet> hear(WorldEvent event, Mentions mentions, Observatory world) {
+        if (senses == null) {
+            var all = new BitSet();
+            all.set(0, event.fields().size());
+            return Optional.of(all);
         }
+        return senses.hear(event, mentions, world);
     }
 
-    /** Tells what happened in a frame. @param encoded the event as it goes over the wire */
-    void tell(ServerMessage.Event event, byte[] encoded) {
-        if (event.frame() < joinedInFrame) {
+    /** See {@link Observatory#reach}. */
+    boolean reach(Observatory world, double[] lows, double[] highs, int at) {
+        return senses != null && senses.reach(world, lows, highs, at);
+    }
+
+    /** Tells what happened in a frame. */
+    void tell(HeardEvent.Told event) {
+        if (event.message().frame() < joinedInFrame) {
             return;
         }
+        byte[] encoded = event.bytes();
         if (graceSeconds > 0) {
             synchronized (this) {
-                events.add(event, encoded.length);
+                events.add(event.message(), encoded.length);
             }
         }
         if (!offer(encoded) && !writeAndOffer(encoded)) {

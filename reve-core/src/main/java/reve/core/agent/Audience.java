@@ -1,0 +1,146 @@
+package reve.core.agent;
+
+import java.lang.foreign.MemorySegment;
+import java.util.ArrayList;
+import java.util.Collection;
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.IdentityHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import java.util.stream.LongStream;
+import reve.core.agent.Mentions.Mention;
+import reve.core.space.Box;
+import reve.core.space.BoxIndex;
+import reve.core.space.Found;
+import reve.core.world.ItemId;
+
+/**
+ * Who may hear of an event, so that it costs what is perceived of it and not as much as there are agents: whoever was
+ * shown one of its items, or has a sensor that may reach one now. It finds too many rather than too few: what an agent
+ * hears, its {@link Senses} decide. The event loop's thread.
+ */
+final class Audience {
+
+    private static final int AXES = 3;
+
+    // What agents with sensors were shown.
+    private final Map<Session, View> shown = new IdentityHashMap<>();
+    private final Map<ItemId, Set<Session>> viewers = new HashMap<>();
+
+    // Where they are in this frame.
+    private final List<Session> withSensors = new ArrayList<>();
+    private final List<Session> withoutSensors = new ArrayList<>();
+    private final List<Session> reachingAll = new ArrayList<>();
+    private final List<Session> within = new ArrayList<>();
+    /** What sensors may reach, by the place of who has them in the list above. */
+    private final BoxIndex reaches = new BoxIndex();
+    private double[] lows = {};
+    private double[] highs = {};
+    private long[] keys = {};
+    private final Found found = new Found();
+
+    private final Set<Session> mayHear = new HashSet<>();
+
+    /** A member is shown what its sensors sense. */
+    void shows(Session member, View view) {
+        View before = shown.put(member, view);
+        if (before != view) {
+            update(member, before == null ? List.of() : before.items(), view.items());
+        }
+    }
+
+    /** A member has left. */
+    void forget(Session member) {
+        View before = shown.remove(member);
+        if (before != null) {
+            update(member, before.items(), List.of());
+        }
+    }
+
+    /** Two lists in the order of ids, merged. */
+    private void update(Session member, List<Seen> before, List<Seen> now) {
+        int old = 0;
+        for (Seen seen : now) {
+            while (old < before.size() && before.get(old) != seen && before.get(old).id().compareTo(seen.id()) < 0) {
+                hides(member, before.get(old++).id());
+            }
+            if (old < before.size() && (before.get(old) == seen || before.get(old).id().equals(seen.id()))) {
+                old++;
+            } else {
+                viewers.computeIfAbsent(seen.id(), unknown -> new HashSet<>()).add(member);
+            }
+        }
+        for (; old < before.size(); old++) {
+            hides(member, before.get(old).id());
+        }
+    }
+
+    private void hides(Session member, ItemId item) {
+        viewers.computeIfPresent(item, (id, all) -> {
+            all.remove(member);
+            return all.isEmpty() ? null : all;
+        });
+    }
+
+    /** Takes the members as they are in the frame that the observatory has read. */
+    void locate(Collection<Session> members, Observatory world) {
+        withSensors.clear();
+        withoutSensors.clear();
+        reachingAll.clear();
+        within.clear();
+        for (Session member : members) {
+            (member.hasSensors() ? withSensors : withoutSensors).add(member);
+        }
+        reserve(withSensors.size());
+        for (Session member : withSensors) {
+            if (member.reach(world, lows, highs, AXES * within.size())) {
+                within.add(member);
+            } else {
+                reachingAll.add(member);
+            }
+        }
+        reaches.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(lows), MemorySegment.ofArray(highs),
+                within.size());
+    }
+
+    private void reserve(int count) {
+        if (keys.length < count) {
+            int room = Math.max(count, 2 * keys.length);
+            lows = new double[AXES * room];
+            highs = new double[AXES * room];
+            keys = LongStream.range(0, room).toArray();
+        }
+    }
+
+    /** Those who hear of all that happens. */
+    List<Session> withoutSensors() {
+        return withoutSensors;
+    }
+
+    /** Those with sensors who may hear of an event; valid until the next call. */
+    Collection<Session> of(Mentions mentions, Observatory world) {
+        if (!mentions.namesItems()) {
+            return withSensors;
+        }
+        mayHear.clear();
+        mayHear.addAll(reachingAll);
+        for (Mention mention : mentions.items()) {
+            if (mention.id().isEmpty()) {
+                return withSensors; // only its name is left to know it by
+            }
+            ItemId item = mention.id().get();
+            mayHear.addAll(viewers.getOrDefault(item, Set.of()));
+            Optional<Box> box = world.box(item);
+            if (box.isPresent()) {
+                reaches.inBox(box.get(), found);
+                for (int i = 0; i < found.size(); i++) {
+                    mayHear.add(within.get((int) found.key(i)));
+                }
+            }
+        }
+        return mayHear;
+    }
+}

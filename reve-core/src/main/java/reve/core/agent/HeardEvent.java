@@ -1,0 +1,44 @@
+package reve.core.agent;
+
+import java.util.BitSet;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.Map;
+import reve.core.world.WorldEvent;
+
+/** An event as agents hear of it, made and encoded once for all who are told the same. The event loop's thread. */
+final class HeardEvent {
+
+    private final WorldEvent event;
+    private final Map<Hearing, Told> told = new HashMap<>(2);
+
+    private record Hearing(BitSet fields, Encoding encoding) {}
+
+    /** @param bytes the message as it goes over the wire; never changed */
+    record Told(ServerMessage.Event message, byte[] bytes) {}
+
+    HeardEvent(WorldEvent event) {
+        this.event = event;
+    }
+
+    WorldEvent event() {
+        return event;
+    }
+
+    /** @param fields which of the event's fields are told, by their place */
+    Told with(BitSet fields, Encoding encoding) {
+        return told.computeIfAbsent(new Hearing(fields, encoding), this::make);
+    }
+
+    private Told make(Hearing hearing) {
+        var fields = new LinkedHashMap<String, Object>();
+        int place = 0;
+        for (Map.Entry<String, Object> field : event.fields().entrySet()) {
+            if (hearing.fields.get(place++)) {
+                fields.put(field.getKey(), field.getValue());
+            }
+        }
+        var message = new ServerMessage.Event(event.frame(), event.type(), fields);
+        return new Told(message, message.in(hearing.encoding));
+    }
+}
