@@ -86,7 +86,8 @@ class ControlIT {
         serve(boss -> {
             ActResult refused = boss.command("load-law", Map.of("library", "perpetual_motion"));
             assertThat(refused.code()).contains("law-refused");
-            assertThat(refused.reason().orElseThrow()).contains("perpetual_motion");
+            assertThat(refused.reason().orElseThrow()).contains("perpetual_motion")
+                    .as("files of the server").doesNotContain("/");
             assertThat(boss.command("load-law", Map.of("library", "../../etc/passwd")).code())
                     .contains("law-refused");
         });
@@ -211,6 +212,16 @@ class ControlIT {
             }
         });
         assertThat(folder).isEmptyDirectory();
+    }
+
+    @Test
+    void whyNothingCanBeSavedIsForWhoRunsTheServer() throws Exception {
+        Files.createDirectory(folder.resolve("later.yaml"));
+        serve(boss -> {
+            ActResult refused = boss.command("save", Map.of("file", "later"));
+            assertThat(refused.code()).contains("save-refused");
+            assertThat(refused.reason().orElseThrow()).contains("later").doesNotContain("/");
+        });
     }
 
     /** Goes to and fro, with an agent that comes after what is gone back to. */

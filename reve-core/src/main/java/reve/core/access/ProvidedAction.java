@@ -44,14 +44,8 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
             Changes.requireCompatible(name, effects);
             changes = Changes.prepare(call, effects);
         } catch (RuntimeException | LinkageError | StackOverflowError failed) {
-            throw new ActionRefused("action-failed", "action " + provider.name() + " failed: "
-                    + failed + place(failed), failed);
+            throw new ActionRefused("action-failed", "action " + provider.name() + " failed", failed);
         }
         changes.make();
-    }
-
-    private static String place(Throwable failed) {
-        StackTraceElement[] trace = failed.getStackTrace();
-        return trace.length == 0 ? "" : " (at " + trace[0] + ")";
     }
 }

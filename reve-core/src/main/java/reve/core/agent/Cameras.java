@@ -26,8 +26,11 @@ public interface Cameras {
     interface Answer {
         void taken(Photo photo);
 
-        /** @param reason for the agent */
-        void failed(String reason);
+        /** There is none now. @param reason for the agent */
+        void refused(String reason);
+
+        /** It could not be drawn. @param cause for the log; the agent is not told of what is inside the server */
+        void failed(RuntimeException cause);
     }
 
     /** Takes a picture of the newest frame. Any thread; returns at once. */
@@ -35,6 +38,6 @@ public interface Cameras {
 
     /** None at all. */
     static Cameras none() {
-        return (body, camera, answer) -> answer.failed("this server takes no pictures");
+        return (body, camera, answer) -> answer.refused("this server takes no pictures");
     }
 }

@@ -35,7 +35,10 @@ public final class Members {
     /** Codes of the world's own refusals whose reasons tell more of it than that. */
     private static final Set<String> TELLING = Set.of("condition-failed", "no-value", "immovable", "no-physics",
             "not-a-body", "attached", "not-attached", "cannot-attach", "cannot-create", "cannot-remove",
-            "no-such-item", "no-such-property", "out-of-range", "not-a-rotation", "action-failed");
+            "no-such-item", "no-such-property", "out-of-range", "not-a-rotation");
+
+    /** The action has an error of its own, which is for the log. */
+    private static final String ACTION_FAILED = "action-failed";
 
     private final AgentPolicy policy;
     private final Map<String, Body> bodies = new HashMap<>();
@@ -81,7 +84,8 @@ public final class Members {
         } catch (Ending e) {
             return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
         } catch (ActionRefused e) {
-            return new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
+            return e.code().equals(ACTION_FAILED) ? new Outcome.Failed(frame, e)
+                    : new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
         } catch (RuntimeException e) {
             return new Outcome.Failed(frame, e);
         }

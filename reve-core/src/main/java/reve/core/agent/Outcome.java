@@ -26,7 +26,7 @@ public sealed interface Outcome {
     record Refused(long frame, String code, String reason, Optional<String> hint) implements Outcome {}
 
     /** The action has an error of its own, which is for whoever wrote it. */
-    record Failed(long frame, RuntimeException cause) implements Outcome {}
+    record Failed(long frame, Exception cause) implements Outcome {}
 
     /** The agent is not in the world: it never came in, which it has been told. */
     record Absent() implements Outcome {}

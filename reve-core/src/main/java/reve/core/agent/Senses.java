@@ -15,7 +15,7 @@ import reve.core.world.WorldEvent;
 /** What one agent perceives through its body's sensors, each at its own pace. The event loop's thread. */
 final class Senses {
 
-    private static final String FAULT = "fault";
+    static final String FAULT = "fault";
 
     private final ItemId body;
     private final List<Sensor> sensors;

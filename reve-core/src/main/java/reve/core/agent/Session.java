@@ -188,12 +188,21 @@ final class Session {
         return senses == null ? world.everything() : senses.look(world);
     }
 
-    /** Which fields of an event its sensors let it know, see {@link Senses#hear}; all without sensors. */
+    /**
+     * Which fields of an event its sensors let it know, see {@link Senses#hear}; all without sensors. What a fault was
+     * in detail may name files of the server, and is for who controls the world alone.
+     */
     Optional<BitSet> hear(WorldEvent event, Mentions mentions, Observatory world) {
         if (senses == null) {
-            var all = new BitSet();
-            all.set(0, event.fields().size());
-            return Optional.of(all);
+            var told = new BitSet();
+            told.set(0, event.fields().size());
+            if (role != Role.CONTROL && event.type().equals(Senses.FAULT)) {
+                int place = 0;
+                for (String field : event.fields().keySet()) {
+                    told.set(place++, !field.equals("message"));
+                }
+            }
+            return Optional.of(told);
         }
         return senses.hear(event, mentions, world);
     }
@@ -294,8 +303,14 @@ final class Session {
             }
 
             @Override
-            public void failed(String reason) {
+            public void refused(String reason) {
                 world.publisher().later(() -> show(new ServerMessage.Error(look.id(), "no-picture", reason, "try again")));
+            }
+
+            @Override
+            public void failed(RuntimeException cause) {
+                server.log().error("a picture for " + Session.this + " could not be drawn", cause);
+                refused("the picture could not be drawn; the server's log says why");
             }
         });
     }

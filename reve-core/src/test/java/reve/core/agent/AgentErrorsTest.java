@@ -4,11 +4,13 @@ import static org.assertj.core.api.Assertions.assertThat;
 
 import java.io.ByteArrayOutputStream;
 import java.io.IOException;
+import java.io.UncheckedIOException;
 import java.net.InetSocketAddress;
 import java.nio.ByteBuffer;
 import java.nio.channels.Pipe;
 import java.nio.channels.SelectionKey;
 import java.nio.charset.StandardCharsets;
+import java.util.List;
 import java.util.Map;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CountDownLatch;
@@ -16,6 +18,12 @@ import java.util.concurrent.TimeUnit;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+import reve.core.access.ActionProvider;
+import reve.core.access.Effect;
+import reve.core.access.ProvidedAction;
+import reve.core.access.Terms;
+import reve.core.world.ActionCall;
+import reve.core.world.ItemDefinition;
 import reve.core.world.WorldEvent;
 
 /** What an error in the server itself, even of the virtual machine, costs agents. */
@@ -44,6 +52,44 @@ class AgentErrorsTest {
             room.stepUntil("a perception was handed over",
                     () -> room.server.stats().perceptions() > 0);
             assertThat(ada.expect("perception").get("id").longValue()).isEqualTo(1);
+        }
+    }
+
+    @Test
+    void whatAFaultWasInDetailIsForControlAlone() throws IOException {
+        try (TestClient ada = room.join("ada"); TestClient boss = room.connect()) {
+            boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}");
+            boss.expect("welcome");
+            room.world.raise(new WorldEvent(room.loop.frame() + 1, "fault",
+                    Map.of("source", "a listener", "message", "/srv/worlds/secret.log: No space left")));
+            room.step();
+            assertThat(boss.expect("event").toString()).contains("a listener").contains("/srv/worlds");
+            assertThat(ada.expect("event").toString()).contains("a listener").doesNotContain("/srv/worlds");
+        }
+    }
+
+    @Test
+    void whatAnActionFailedOfIsForTheLogAlone() throws IOException {
+        room.world.add(ItemDefinition.named("lift").action(new ProvidedAction("lift", "Breaks.", Terms.NONE, new ActionProvider() {
+            @Override
+            public String name() {
+                return "test.lift";
+            }
+
+            @Override
+            public String doc() {
+                return "Breaks.";
+            }
+
+            @Override
+            public List<Effect> decide(ActionCall call) {
+                throw new UncheckedIOException(new IOException("/srv/worlds/lift.dat: Permission denied"));
+            }
+        })).build());
+        try (TestClient ada = room.join("ada")) {
+            ada.say("{'t':'act','id':1,'item':'lift','action':'lift'}").sync();
+            room.step();
+            assertThat(ada.expect("result", "action-failed").toString()).doesNotContain("/srv/worlds");
         }
     }
 

@@ -111,12 +111,14 @@ class LookTest {
     }
 
     @Test
-    void aPictureThatFailsIsAnErrorAndTheNextMaySucceed() throws IOException {
+    void aPictureThatFailsIsAnErrorThatTellsNothingOfTheServerAndTheNextMaySucceed() throws IOException {
         ada.say("{'t':'look','id':1,'sensor':'eye'}").sync();
-        asked.remove().failed("the renderer ended");
+        asked.remove().failed(new IllegalStateException("there is no program /opt/server/vesper-render"));
         JsonNode error = ada.expect("error");
         assertThat(error.get("code").stringValue()).isEqualTo("no-picture");
-        assertThat(error.get("message").stringValue()).isEqualTo("the renderer ended");
+        assertThat(error.get("message").stringValue()).isEqualTo(
+                "the picture could not be drawn; the server's log says why");
+        assertThat(error.toString()).doesNotContain("/opt");
         assertThat(lookAndGet(2).get("id").intValue()).isEqualTo(2);
     }
 

@@ -55,7 +55,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         try {
             artist.execute(() -> draw(body, camera, answer));
         } catch (RejectedExecutionException full) {
-            answer.failed("too many pictures are being taken");
+            answer.refused("too many pictures are being taken");
         }
     }
 
@@ -64,7 +64,7 @@ final class BodyCameras implements Cameras, AutoCloseable {
         try {
             photo = photo(body, camera);
         } catch (RuntimeException failed) {
-            answer.failed(String.valueOf(failed.getMessage()));
+            answer.failed(failed);
             return;
         }
         answer.taken(photo);

@@ -9,6 +9,8 @@ import java.util.Optional;
 import java.util.function.Consumer;
 import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 import reve.core.agent.WorldControl;
 import reve.core.file.WorldFile;
 import reve.core.world.ActionRefused;
@@ -25,6 +27,10 @@ import reve.worlds.journal.SimulationImage;
  * looking ahead.
  */
 final class ServerControl implements WorldControl, AutoCloseable {
+    private static final Logger LOG = LoggerFactory.getLogger("reve.control");
+    /** What names files of the server is for who runs it, not for who controls a world from afar. */
+    private static final String SEE_LOG = "; the server's log says why";
+
     /** Never a path: who may control the world may not choose which files it runs. */
     private static final Pattern LIBRARY = Pattern.compile("[A-Za-z0-9_]{1,64}");
 
@@ -54,8 +60,10 @@ final class ServerControl implements WorldControl, AutoCloseable {
         }
         try {
             return new Load(simulation.engine().prepare(library), parameters);
-        } catch (PhysicsException refused) {
-            throw refusal(refused);
+        } catch (PhysicsException failed) {
+            LOG.error("the law library {} was asked for and refused", library, failed);
+            throw new ActionRefused("law-refused", "the library \"" + library + "\" is refused: "
+                    + failed.status() + SEE_LOG, failed);
         }
     }
 
@@ -130,8 +138,9 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 fields.put("without", fork.notDescribed());
                 events.happened("saved", fields);
             } catch (IOException | IllegalArgumentException | PhysicsException failed) {
-                throw new ActionRefused("save-refused", "the world cannot be saved as " + target + ": "
-                        + failed.getMessage());
+                LOG.error("the world cannot be saved as {}", target, failed);
+                throw new ActionRefused("save-refused", "the world cannot be saved as " + file + SEE_LOG,
+                        failed);
             }
         }
 
