@@ -43,6 +43,7 @@ class Limits:
     """What the server takes from a client: bytes of a line, commands that wait for their result, silence [s], grace [s]."""
 
     line_bytes: int
+    messages_per_second: int
     acts_in_flight: int
     idle_seconds: float
     grace_seconds: float
@@ -450,7 +451,11 @@ def _welcome(message: Message) -> Welcome:
         session=None if session is None else Ticket(session["token"], session["graceSeconds"]),
         resumed=message.get("resumed", False),
         limits=Limits(
-            limits["lineBytes"], limits["actsInFlight"], limits["idleSeconds"], limits["graceSeconds"]
+            limits["lineBytes"],
+            limits["messagesPerSecond"],
+            limits["actsInFlight"],
+            limits["idleSeconds"],
+            limits["graceSeconds"],
         ),
     )
 

@@ -25,6 +25,7 @@ def written(message):
         limits = fields.pop("limits")
         fields["limits"] = {
             "lineBytes": limits.line_bytes,
+            "messagesPerSecond": limits.messages_per_second,
             "actsInFlight": limits.acts_in_flight,
             "idleSeconds": limits.idle_seconds,
             "graceSeconds": limits.grace_seconds,

@@ -233,6 +233,7 @@ final class Protocol {
                 message.optional("session").map(session -> new Welcome.Ticket(text(session, "token"),
                         session.required("graceSeconds").doubleValue())), message.path("resumed").asBoolean(false),
                 new Welcome.Limits(limits.required("lineBytes").intValue(),
+                        limits.required("messagesPerSecond").intValue(),
                         limits.required("actsInFlight").intValue(), limits.required("idleSeconds").doubleValue(),
                         limits.required("graceSeconds").doubleValue()));
     }

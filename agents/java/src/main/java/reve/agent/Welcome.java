@@ -26,9 +26,11 @@ public record Welcome(OptionalLong id, int protocol, String role, String agent, 
      * What the server takes from an agent.
      *
      * @param lineBytes longest line
+     * @param messagesPerSecond most messages in a second, or in one of the world's if that goes faster
      * @param actsInFlight most commands that may wait for their result
      * @param idleSeconds silence after which it asks whether the agent is still there; the client answers by itself
      * @param graceSeconds the most that one can ask for
      */
-    public record Limits(int lineBytes, int actsInFlight, double idleSeconds, double graceSeconds) {}
+    public record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
+            double graceSeconds) {}
 }

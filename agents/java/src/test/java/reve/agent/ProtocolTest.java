@@ -212,6 +212,7 @@ class ProtocolTest {
                     json.put("resumed", true);
                 }
                 json.putObject("limits").put("lineBytes", w.limits().lineBytes())
+                        .put("messagesPerSecond", w.limits().messagesPerSecond())
                         .put("actsInFlight", w.limits().actsInFlight())
                         .put("idleSeconds", w.limits().idleSeconds()).put("graceSeconds", w.limits().graceSeconds());
             }

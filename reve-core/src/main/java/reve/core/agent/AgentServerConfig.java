@@ -21,6 +21,7 @@ import java.util.Optional;
  * @param grace longest time that the body of an agent whose connection broke may wait for it
  * @param deadline longest time that an agent in lock-step may have the world wait
  * @param linger how long a finished connection may take to go
+ * @param messagesPerSecond most messages from one client, see {@link Quota}
  * @param actsInFlight most acts and other commands of one client that wait for their result
  * @param outboxMessages most messages of one agent that wait to be written
  * @param outboxBytes and most bytes of them
@@ -30,7 +31,7 @@ import java.util.Optional;
  */
 public record AgentServerConfig(InetSocketAddress address, int maxConnections, int helloBytes, Duration hello,
         int lineBytes, Duration line, Duration idle, Duration write, Duration grace, Duration deadline, Duration linger,
-        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors,
+        int messagesPerSecond, int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors,
         Optional<Path> audit, AgentSecurity security) {
 
     /**
@@ -55,6 +56,7 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
         requirePositive("grace", grace.toMillis());
         requirePositive("deadline", deadline.toMillis());
         requirePositive("linger", linger.toMillis());
+        requirePositive("messagesPerSecond", messagesPerSecond);
         requirePositive("actsInFlight", actsInFlight);
         requirePositive("outboxMessages", outboxMessages);
         requirePositive("outboxBytes", outboxBytes);
@@ -75,19 +77,21 @@ public record AgentServerConfig(InetSocketAddress address, int maxConnections, i
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
         return new AgentServerConfig(address, 4096, 8 * 1024, Duration.ofSeconds(2), 64 * 1024,
                 Duration.ofSeconds(10), Duration.ofSeconds(15), Duration.ofSeconds(5), Duration.ofSeconds(60),
-                Duration.ofSeconds(10), Duration.ofSeconds(1), 64, 1024, 1024 * 1024, 8, Optional.empty(), security);
+                Duration.ofSeconds(10), Duration.ofSeconds(1), 4096, 64, 1024, 1024 * 1024, 8, Optional.empty(),
+                security);
     }
 
     /** The same, with a record of all that clients are told. */
     public AgentServerConfig withAudit(Path file) {
         return new AgentServerConfig(address, maxConnections, helloBytes, hello, lineBytes, line, idle, write, grace,
-                deadline, linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, Optional.of(file), security);
+                deadline, linger, messagesPerSecond, actsInFlight, outboxMessages, outboxBytes, maxErrors,
+                Optional.of(file), security);
     }
 
     /** The same, with another longest time that an agent in lock-step may have the world wait. */
     public AgentServerConfig withDeadline(Duration longest) {
         return new AgentServerConfig(address, maxConnections, helloBytes, hello, lineBytes, line, idle, write, grace,
-                longest, linger, actsInFlight, outboxMessages, outboxBytes, maxErrors, audit, security);
+                longest, linger, messagesPerSecond, actsInFlight, outboxMessages, outboxBytes, maxErrors, audit, security);
     }
 
     private static void requirePositive(String name, long value) {

@@ -268,6 +268,9 @@ final class Connection implements EventLoop.Handler {
             messages.greeted(encoding);
             return;
         }
+        if (!(message instanceof ClientMessage.Bye)) {
+            agent.require(message);
+        }
         switch (message) {
             case ClientMessage.Hello again -> throw new BadMessage(again.id(), "hello-again",
                     "this connection is " + agent + " already", "open another connection for another agent");

@@ -6,29 +6,32 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The last events that a client was told, so that one whose connection broke gets those it missed. Bounded in
- * number and bytes. Guarded by its session.
+ * The last events that a client was told, so that one whose connection broke gets those it missed. Bounded in time
+ * and bytes. Guarded by its session.
  */
 final class EventLog {
 
-    private final int maxEvents;
+    /** Most bytes that a client may have missed. */
+    static final int MAX_BYTES = 4 * 1024 * 1024;
+
+    private final long maxNanos;
     private final int maxBytes;
     private final Deque<Told> told = new ArrayDeque<>();
     private int bytes;
     private long lastForgotten = -1;
 
-    private record Told(ServerMessage.Event event, int bytes) {}
+    private record Told(ServerMessage.Event event, int bytes, long nanos) {}
 
-    EventLog(int maxEvents, int maxBytes) {
-        this.maxEvents = maxEvents;
+    EventLog(long maxNanos, int maxBytes) {
+        this.maxNanos = maxNanos;
         this.maxBytes = maxBytes;
     }
 
     /** @param size of the event as it was told [bytes] */
-    void add(ServerMessage.Event event, int size) {
-        told.addLast(new Told(event, size));
+    void add(ServerMessage.Event event, int size, long nowNanos) {
+        told.addLast(new Told(event, size, nowNanos));
         bytes += size;
-        while (told.size() > maxEvents || bytes > maxBytes) {
+        while (bytes > maxBytes || nowNanos - told.getFirst().nanos > maxNanos) {
             Told oldest = told.removeFirst();
             bytes -= oldest.bytes;
             lastForgotten = oldest.event.frame();

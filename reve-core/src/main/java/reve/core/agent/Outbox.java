@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.util.ArrayDeque;
 import java.util.Deque;
+import java.util.List;
 import org.jspecify.annotations.Nullable;
 
 /**
@@ -23,6 +24,8 @@ final class Outbox {
     private final int maxMessages;
     private final int maxBytes;
     private final Runnable filled;
+    /** What a returning client has missed; it may be more than may pile up. */
+    private final Deque<Line> missed = new ArrayDeque<>();
     private final Deque<Line> messages = new ArrayDeque<>();
     private int bytes;
     private @Nullable Line answer;
@@ -36,6 +39,14 @@ final class Outbox {
         this.maxMessages = maxMessages;
         this.maxBytes = maxBytes;
         this.filled = filled;
+    }
+
+    /** What a client is told first that goes on with its session. Nothing of it is left out. */
+    synchronized void begin(List<byte[]> lines) {
+        if (!finished) {
+            lines.forEach(line -> missed.addLast(new Line(line, NOTHING)));
+            filled.run();
+        }
     }
 
     /** Adds a message. @return false if the client has let too many pile up */
@@ -112,7 +123,9 @@ final class Outbox {
         if (line == null || line.bytes() > maxLength) {
             return null;
         }
-        if (!messages.isEmpty()) {
+        if (!missed.isEmpty()) {
+            missed.removeFirst();
+        } else if (!messages.isEmpty()) {
             messages.removeFirst();
             bytes -= line.bytes();
         } else if (answer != null) {
@@ -125,7 +138,7 @@ final class Outbox {
     }
 
     private @Nullable Line next() {
-        return !messages.isEmpty() ? messages.getFirst() : answer != null ? answer : latest;
+        return !missed.isEmpty() ? missed.getFirst() : !messages.isEmpty() ? messages.getFirst() : answer != null ? answer : latest;
     }
 
     /** True when nothing waits, and nothing more will come. */

@@ -41,6 +41,10 @@ final class ServedWorld implements AutoCloseable {
         return port.world();
     }
 
+    int framesPerSecond() {
+        return port.framesPerSecond();
+    }
+
     AgentServer server() {
         return server;
     }
@@ -133,7 +137,8 @@ final class ServedWorld implements AutoCloseable {
         AgentServerConfig config = server.config();
         return new Welcome(hello.id(), AgentServer.PROTOCOL, session.role(), hello.name(), session.body(),
                 port.world(), frame, port.framesPerSecond(), session.encoding(), session.rhythm(),
-                Optional.ofNullable(session.ticket()), resumed, new Limits(config.lineBytes(), config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
+                Optional.ofNullable(session.ticket()), resumed, new Limits(config.lineBytes(), config.messagesPerSecond(),
+                config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
     }
 
     private static double seconds(Duration duration) {

@@ -12,7 +12,7 @@ sealed interface ServerMessage {
         return ClientMessage.NO_ID;
     }
 
-    record Limits(int lineBytes, int actsInFlight, double idleSeconds, double graceSeconds) {}
+    record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds, double graceSeconds) {}
 
     /** With it, another connection goes on with the session within that time after the first broke. */
     record Ticket(String token, double graceSeconds) {}
@@ -150,6 +150,7 @@ sealed interface ServerMessage {
         }
         var limits = new LinkedHashMap<String, Object>();
         limits.put("lineBytes", welcome.limits.lineBytes);
+        limits.put("messagesPerSecond", welcome.limits.messagesPerSecond);
         limits.put("actsInFlight", welcome.limits.actsInFlight);
         limits.put("idleSeconds", welcome.limits.idleSeconds);
         limits.put("graceSeconds", welcome.limits.graceSeconds);

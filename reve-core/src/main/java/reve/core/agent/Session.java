@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
+import java.util.ArrayList;
 import java.util.BitSet;
 import java.util.HashMap;
 import java.util.List;
@@ -38,6 +39,8 @@ final class Session {
     /** The event loop's thread: whether a picture is being taken, and the frame of each camera's last one. */
     private boolean looking;
     private final Map<String, Long> looked = new HashMap<>();
+    /** The event loop's thread. */
+    private final Quota quota;
 
     // Guarded by this.
     private final CommandLog commands = new CommandLog();
@@ -68,7 +71,9 @@ final class Session {
         this.graceSeconds = Math.min(hello.graceSeconds(), config.grace().toMillis() / 1000.0);
         this.token = token;
         this.secret = AgentToken.newSecret();
-        this.events = new EventLog(config.outboxMessages(), config.outboxBytes());
+        this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * config.idle().toNanos(), EventLog.MAX_BYTES);
+        this.quota = new Quota(config.messagesPerSecond(), world.framesPerSecond(), System.nanoTime(),
+                world.publisher().published());
         this.connection = connection;
         this.encoding = connection.encoding();
         this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
@@ -220,7 +225,7 @@ final class Session {
         byte[] encoded = event.bytes();
         if (graceSeconds > 0) {
             synchronized (this) {
-                events.add(event.message(), encoded.length);
+                events.add(event.message(), encoded.length, System.nanoTime());
             }
         }
         if (!offer(encoded) && !writeAndOffer(encoded)) {
@@ -247,6 +252,14 @@ final class Session {
     }
 
     // ---- its connection's reader ----
+
+    /** @throws BadMessage if that message is one too many; it is not taken */
+    void require(ClientMessage message) throws BadMessage {
+        if (!quota.take(System.nanoTime(), world.publisher().published())) {
+            throw new BadMessage(message.id(), "too-many-messages", "these are more than "
+                    + server.config().messagesPerSecond() + " messages in a second", "wait, then send it again");
+        }
+    }
 
     /** The agent has done what it does in this round. */
     void ready(ClientMessage.Ready ready) throws BadMessage {
@@ -421,8 +434,10 @@ final class Session {
             if (turn != null) {
                 turn.comeBack();
             }
-            offer(world.welcome(this, hello, world.publisher().published(), true));
-            missed.forEach(this::offer);
+            var lines = new ArrayList<byte[]>();
+            lines.add(world.welcome(this, hello, world.publisher().published(), true).in(encoding));
+            missed.forEach(event -> lines.add(event.in(encoding)));
+            next.outbox().begin(lines);
         }
         world.lockStep().changed();
         if (previous != null) {

@@ -321,7 +321,7 @@ class AgentLimitsTest {
 
     private static AgentServerConfig with(AgentServerConfig c, int maxConnections) {
         return new AgentServerConfig(c.address(), maxConnections, c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
-                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.actsInFlight(), c.outboxMessages(),
+                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.messagesPerSecond(), c.actsInFlight(), c.outboxMessages(),
                 c.outboxBytes(), c.maxErrors(), c.audit(), c.security());
     }
 }

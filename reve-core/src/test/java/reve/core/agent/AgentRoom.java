@@ -95,7 +95,7 @@ final class AgentRoom implements AutoCloseable {
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
         return new AgentServerConfig(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 1024, 8192, hello,
-                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofSeconds(10), Duration.ofMillis(500), 4, 64,
+                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofSeconds(10), Duration.ofMillis(500), 10_000_000, 4, 64,
                 64 * 1024, 8, Optional.empty(), AgentSecurity.NONE);
     }
 

@@ -241,6 +241,7 @@ class MessagesTest {
                     json.optional("session").map(session -> new ServerMessage.Ticket(text(session, "token"),
                             session.get("graceSeconds").doubleValue())), json.has("resumed"),
                     new ServerMessage.Limits(json.at("/limits/lineBytes").intValue(),
+                            json.at("/limits/messagesPerSecond").intValue(),
                             json.at("/limits/actsInFlight").intValue(), json.at("/limits/idleSeconds").doubleValue(),
                             json.at("/limits/graceSeconds").doubleValue()));
             case "result" -> json.get("accepted").booleanValue()

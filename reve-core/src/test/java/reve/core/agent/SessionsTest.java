@@ -318,15 +318,51 @@ class SessionsTest {
 
     @Test
     void whoMissedMoreThanIsRememberedIsToldSo() {
-        var log = new EventLog(2, 1000);
+        var log = new EventLog(20, 1000);
         for (int frame = 1; frame <= 3; frame++) {
-            log.add(event(frame), 1);
+            log.add(event(frame), 1, 10 * frame);
         }
+        assertThat(log.after(0).orElseThrow()).containsExactly(event(1), event(2), event(3));
+        log.add(event(4), 1, 31);
         assertThat(log.after(0)).isEmpty();
-        assertThat(log.after(1).orElseThrow()).containsExactly(event(2), event(3));
-        log.add(event(4), 1000);
-        assertThat(log.after(2)).isEmpty();
-        assertThat(log.after(3).orElseThrow()).containsExactly(event(4));
+        assertThat(log.after(1).orElseThrow()).containsExactly(event(2), event(3), event(4));
+        log.add(event(5), 1000, 31);
+        assertThat(log.after(3)).isEmpty();
+        assertThat(log.after(4).orElseThrow()).containsExactly(event(5));
+    }
+
+    /** More than a minute of an act in every frame. */
+    @Test
+    void whoComesBackToABusyWorldIsToldAllThatItMissed() throws IOException {
+        room.world.add(ItemDefinition.named("bell").action(new DeclaredAction("ring", "Once.", List.of(),
+                List.of(new Effect.Raise("rang", "ring")))).build());
+        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
+        room.step();
+        String token = ada.expect("welcome").at("/session/token").stringValue();
+        ada.expect("event");
+        int rings = 4_000;
+        try (TestClient bob = room.join("bob"); TestClient again = room.connect()) {
+            long joined = room.loop.frame();
+            reset(ada);
+            int atOnce = AgentRoom.CONFIG.actsInFlight();
+            for (int id = 0; id < rings; ) {
+                for (int i = 0; i < atOnce && id < rings; i++, id++) {
+                    bob.say("{'t':'act','id':" + id + ",'item':'bell','action':'ring'}");
+                }
+                bob.sync();
+                room.step();
+                bob.sync();
+            }
+            again.say(resume("ada", token, joined)).expect("welcome");
+            int heard = 0;
+            for (long last = joined; heard < rings; ) {
+                JsonNode event = again.expect("event");
+                assertThat(event.get("frame").longValue()).isGreaterThanOrEqualTo(last);
+                last = event.get("frame").longValue();
+                heard += event.get("type").stringValue().equals("rang") ? 1 : 0;
+            }
+            again.say("{'t':'ping','id':1}").skipTo("pong");
+        }
     }
 
     private static ServerMessage.Event event(long frame) {

@@ -69,7 +69,7 @@ class TlsTest {
 
     private static AgentServerConfig with(AgentServerConfig c, Certificate certificate) throws IOException {
         return new AgentServerConfig(c.address(), c.maxConnections(), c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
-                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.actsInFlight(), c.outboxMessages(), c.outboxBytes(),
+                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.messagesPerSecond(), c.actsInFlight(), c.outboxMessages(), c.outboxBytes(),
                 c.maxErrors(), c.audit(), new AgentSecurity(Optional.empty(), Optional.of(certificate.tls())));
     }
 
