@@ -8,14 +8,14 @@ final class Expansion {
     static final int MAX_VALUES = 10_000_000;
 
     private final Problems problems;
-    private final WorldFolder folder;
+    private final SourceFiles files;
     private final Room values;
     private final Prefabs prefabs;
 
     /** @param source of which the prefabs are */
     Expansion(WorldSource source, Problems problems) throws WorldFileException {
         this.problems = problems;
-        this.folder = source.folder();
+        this.files = source.files();
         this.values = new Room(problems);
         this.prefabs = new Prefabs(source.all("prefabs"), problems, values);
     }
@@ -63,7 +63,7 @@ final class Expansion {
             sink.accept(complete);
             return;
         }
-        Optional<Repetition> repetition = Repetition.read(repeat.get(), folder, problems);
+        Optional<Repetition> repetition = Repetition.read(repeat.get(), files, problems);
         if (repetition.isPresent()) {
             repeat(complete.without("repeat"), repetition.get(), sink);
         }

@@ -1,6 +1,5 @@
 package reve.core.file;
 
-import java.nio.file.Path;
 import java.util.List;
 import java.util.Optional;
 
@@ -20,12 +19,12 @@ record Repetition(List<String> variables, long count, Values values) {
     }
 
     /** What stands under {@code repeat}; empty and a problem noted if it is wrong. */
-    static Optional<Repetition> read(Node node, WorldFolder folder, Problems problems)
+    static Optional<Repetition> read(Node node, SourceFiles files, Problems problems)
             throws WorldFileException {
         if (node.text().isPresent()) {
-            Optional<Path> file = folder.find(node, problems);
+            Optional<SourceFiles.Source> file = files.find(node, problems);
             return file.isEmpty() ? Optional.empty()
-                    : Optional.of(Table.read(file.get(), folder, problems));
+                    : Optional.of(Table.read(file.get(), files, problems));
         }
         if (node.number().isPresent()) {
             long count = node.number().get().longValue();

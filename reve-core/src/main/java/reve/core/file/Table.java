@@ -1,6 +1,5 @@
 package reve.core.file;
 
-import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
@@ -25,10 +24,10 @@ final class Table {
      *
      * @throws WorldFileException at the first line that is not right
      */
-    static Repetition read(Path file, WorldFolder folder, Problems problems)
+    static Repetition read(SourceFiles.Source file, SourceFiles files, Problems problems)
             throws WorldFileException {
-        var table = new Table(problems.of(file.toString()));
-        String text = folder.read(file, table.problems);
+        var table = new Table(problems.of(file.name()));
+        String text = files.read(file, table.problems);
         int lineNumber = 0;
         for (String line : (Iterable<String>) text.lines()::iterator) {
             lineNumber++;

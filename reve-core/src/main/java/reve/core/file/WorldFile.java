@@ -8,8 +8,8 @@ import java.nio.file.StandardCopyOption;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.mesh.AssetFolder;
 import reve.core.mesh.Assets;
+import reve.core.mesh.WorldFolder;
 import reve.core.world.ItemDefinition;
 import reve.core.world.WorldPrototype;
 
@@ -31,9 +31,9 @@ public final class WorldFile {
      */
     public static WorldDescription load(Path path) throws WorldFileException, IOException {
         var problems = new Problems(path.toString());
-        var folder = new AssetFolder(path.toAbsolutePath().getParent());
-        return new WorldReader(new Assets(Optional.of(folder)), problems)
-                .read(WorldSource.read(path, problems));
+        var folder = new WorldFolder(path.toAbsolutePath().getParent());
+        return new WorldReader(new Assets(folder), problems)
+                .read(WorldSource.read(path, folder, problems));
     }
 
     /**
@@ -44,7 +44,7 @@ public final class WorldFile {
      */
     public static WorldDescription parse(String name, byte[] content) throws WorldFileException {
         var problems = new Problems(name);
-        return new WorldReader(new Assets(Optional.empty()), problems)
+        return new WorldReader(new Assets(WorldFolder.none()), problems)
                 .read(WorldSource.parse(content, problems));
     }
 
@@ -77,7 +77,7 @@ public final class WorldFile {
     /** As the other one, of an item that needs no files. */
     public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype)
             throws WorldFileException {
-        return parseItem(name, text, prototype, new Assets(Optional.empty()));
+        return parseItem(name, text, prototype, new Assets(WorldFolder.none()));
     }
 
     /**

@@ -37,7 +37,7 @@ final class WorldReader {
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
         var expansion = new Expansion(source, problems);
         var itemReader =
-                new ItemReader(prototype, physics, assets, source.folder()::pathOf,
+                new ItemReader(prototype, physics, assets, source.files()::pathOf,
                         expansion::complete, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
         List<LawReference> laws = laws(source.all("laws"));

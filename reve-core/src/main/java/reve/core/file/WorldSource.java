@@ -8,15 +8,16 @@ import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
+import reve.core.mesh.WorldFolder;
 
 /**
  * A world file with the files that it includes, directly or not, each once, their form checked.
  *
  * @param world the outermost mapping of the world file
  * @param parts those of all files; what is included comes before what includes it
- * @param folder where files that the world names are found
+ * @param files where files that the world names are found
  */
-record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
+record WorldSource(Node world, List<Node> parts, SourceFiles files) {
     /** Most files of which each is included by the one before. */
     static final int MAX_DEPTH = 16;
 
@@ -25,9 +26,10 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
      *
      * @throws IOException if the system cannot read the world file
      */
-    static WorldSource read(Path path, Problems problems) throws WorldFileException, IOException {
-        var reader = new Reader(WorldFolder.of(path), problems);
-        String text = reader.folder.read(path, problems);
+    static WorldSource read(Path path, WorldFolder folder, Problems problems)
+            throws WorldFileException, IOException {
+        var reader = new Reader(folder, problems);
+        String text = reader.files.read(path, problems);
         reader.open.add(path.toRealPath());
         return reader.read(text);
     }
@@ -35,7 +37,7 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
     /** Reads a world that is in no file, and can therefore include none. */
     static WorldSource parse(byte[] content, Problems problems) throws WorldFileException {
         var reader = new Reader(WorldFolder.none(), problems);
-        return reader.read(reader.folder.decode(content, problems));
+        return reader.read(reader.files.decode(content, problems));
     }
 
     /** What a key has under it in each file that has it. */
@@ -49,16 +51,16 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
     }
 
     private static final class Reader {
-        private final WorldFolder folder;
+        private final SourceFiles files;
         private final Problems problems;
         private final Allowance values = new Allowance(YamlReader.MAX_VALUES);
         private final List<Node> parts = new ArrayList<>();
-        /** The files that are being read, the innermost last, and those that were read. */
+        /** Real paths of files that are being read, the innermost last, and that were read. */
         private final Set<Path> open = new LinkedHashSet<>();
         private final Set<Path> done = new HashSet<>();
 
         Reader(WorldFolder folder, Problems problems) {
-            this.folder = folder;
+            this.files = new SourceFiles(folder, problems.file());
             this.problems = problems;
         }
 
@@ -67,7 +69,7 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
             SchemaCheck.check(world, problems);
             includeAll(world);
             parts.add(world);
-            return new WorldSource(world, List.copyOf(parts), folder);
+            return new WorldSource(world, List.copyOf(parts), files);
         }
 
         private void includeAll(Node part) throws WorldFileException {
@@ -75,36 +77,30 @@ record WorldSource(Node world, List<Node> parts, WorldFolder folder) {
                 if (problems.full()) {
                     return;
                 }
-                Optional<Path> found = folder.find(name, problems);
+                Optional<SourceFiles.Source> found = files.find(name, problems);
                 if (found.isPresent()) {
                     include(name, found.get());
                 }
             }
         }
 
-        private void include(Node name, Path path) throws WorldFileException {
-            try {
-                Path real = path.toRealPath();
-                if (open.contains(real)) {
-                    problems.add(name, name.label() + ": " + path
-                            + " is being read already: files include each other in a circle");
-                } else if (open.size() > MAX_DEPTH) {
-                    problems.add(name, name.label() + ": more than " + MAX_DEPTH
-                            + " files of which each is included by the one before");
-                } else if (done.add(real)) {
-                    open.add(real);
-                    readPart(path);
-                    open.remove(real);
-                }
-            } catch (IOException unreadable) {
-                problems.add(name, name.label() + ": cannot read " + path + ": "
-                        + unreadable.getMessage());
+        private void include(Node name, SourceFiles.Source source) throws WorldFileException {
+            if (open.contains(source.path())) {
+                problems.add(name, name.label() + ": " + source.name()
+                        + " is being read already: files include each other in a circle");
+            } else if (open.size() > MAX_DEPTH) {
+                problems.add(name, name.label() + ": more than " + MAX_DEPTH
+                        + " files of which each is included by the one before");
+            } else if (done.add(source.path())) {
+                open.add(source.path());
+                readPart(source);
+                open.remove(source.path());
             }
         }
 
-        private void readPart(Path path) throws WorldFileException {
-            Problems told = problems.of(path.toString());
-            Node part = YamlReader.read(folder.read(path, told), told, values);
+        private void readPart(SourceFiles.Source source) throws WorldFileException {
+            Problems told = problems.of(source.name());
+            Node part = YamlReader.read(files.read(source, told), told, values);
             SchemaCheck.checkPart(part, told);
             includeAll(part);
             parts.add(part);

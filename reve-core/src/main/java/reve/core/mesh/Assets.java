@@ -16,7 +16,7 @@ public final class Assets {
     private static final int MAX_FILE_BYTES = 64 << 20;
     private static final int MAX_IMAGE_BYTES = 32 << 20;
 
-    private final Optional<AssetFolder> folder;
+    private final WorldFolder folder;
     private final Budget budget = new Budget();
     private final Map<String, Loaded<Mesh>> meshes = new HashMap<>();
     private final Map<String, Loaded<Texture>> textures = new HashMap<>();
@@ -32,11 +32,10 @@ public final class Assets {
     }
 
     private interface Reading<T> {
-        T read(AssetFolder from) throws AssetException;
+        T read() throws AssetException;
     }
 
-    /** @param folder of the world file; empty for a world without one, which then has no assets */
-    public Assets(Optional<AssetFolder> folder) {
+    public Assets(WorldFolder folder) {
         this.folder = folder;
     }
 
@@ -47,9 +46,9 @@ public final class Assets {
      * @throws AssetException if it cannot be used, saying why
      */
     public Mesh mesh(String path) throws AssetException {
-        return once(meshes, path, from -> {
-            byte[] bytes = from.read(path, MAX_FILE_BYTES);
-            var sources = new Sources(from, path, budget);
+        return once(meshes, path, () -> {
+            byte[] bytes = folder.read(path, MAX_FILE_BYTES);
+            var sources = new Sources(folder, path, budget);
             String name = path.toLowerCase(Locale.ROOT);
             if (name.endsWith(".glb") || name.endsWith(".gltf")) {
                 return GltfReader.read(bytes, sources);
@@ -69,8 +68,8 @@ public final class Assets {
      * @throws AssetException if it cannot be used, saying why
      */
     public Texture texture(String path) throws AssetException {
-        return once(textures, path, from ->
-                ImageDecoder.decode(from.read(path, MAX_IMAGE_BYTES), path, Optional.of(path),
+        return once(textures, path, () ->
+                ImageDecoder.decode(folder.read(path, MAX_IMAGE_BYTES), path, Optional.of(path),
                         budget));
     }
 
@@ -78,17 +77,15 @@ public final class Assets {
             throws AssetException {
         Loaded<T> loaded = known.get(path);
         if (loaded == null) {
-            loaded = load(path, reading);
+            loaded = load(reading);
             known.put(path, loaded);
         }
         return loaded.get();
     }
 
-    private <T> Loaded<T> load(String path, Reading<T> reading) {
+    private static <T> Loaded<T> load(Reading<T> reading) {
         try {
-            AssetFolder from = folder.orElseThrow(() -> new AssetException(
-                    path + ": a world that is not read from a file has no folder to find it in"));
-            return new Loaded<>(Optional.of(reading.read(from)), Optional.empty());
+            return new Loaded<>(Optional.of(reading.read()), Optional.empty());
         } catch (AssetException problem) {
             return new Loaded<>(Optional.empty(), Optional.of(problem));
         }

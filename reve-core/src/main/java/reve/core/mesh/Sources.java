@@ -14,13 +14,13 @@ final class Sources {
 
     private static final int MAX_BYTES = 64 << 20;
 
-    private final AssetFolder folder;
+    private final WorldFolder folder;
     private final String path;
     private final Budget budget;
     private final Map<String, Texture> images = new HashMap<>();
 
     /** @param path of the mesh file, relative to the folder */
-    Sources(AssetFolder folder, String path, Budget budget) {
+    Sources(WorldFolder folder, String path, Budget budget) {
         this.folder = folder;
         this.path = path;
         this.budget = budget;

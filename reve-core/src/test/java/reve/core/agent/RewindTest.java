@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 import java.io.IOException;
 import java.util.List;
 import java.util.Optional;
+import java.util.concurrent.ExecutorService;
 import java.util.concurrent.Executors;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
@@ -68,8 +69,7 @@ class RewindTest {
 
     @Test
     void whileTheWorldIsPausedARewindIsDoneAndPerceivedAtOnce() throws Exception {
-        try (var world = Executors.newSingleThreadExecutor()) {
-            world.submit(() -> room.loop.run());
+        try (var _ = new Running(room)) {
             boss.say("{'t':'pause','id':1}").skipTo("result");
             boss.say("{'t':'perceive','id':2,'every':1000}").sync();
             for (int id = 3; id < 6; id++) {
@@ -80,15 +80,12 @@ class RewindTest {
                 assertThat(seen.get("time").doubleValue()).isZero();
                 assertThat(seen.has("since")).isFalse();
             }
-            room.loop.stop();
         }
-        room.world.guard().claim();
     }
 
     @Test
     void theResultOfAStepComesBeforeWhatIsPerceivedOfIt() throws Exception {
-        try (var world = Executors.newSingleThreadExecutor()) {
-            world.submit(() -> room.loop.run());
+        try (var _ = new Running(room)) {
             boss.say("{'t':'pause','id':1}").skipTo("result");
             boss.say("{'t':'perceive','id':2,'every':1}").sync();
             // The frame that was being made when it paused may be perceived, too.
@@ -100,9 +97,7 @@ class RewindTest {
                 long frame = boss.say("{'t':'step','id':" + id + "}").expect("result").get("frame").longValue();
                 assertThat(boss.expect("perception").get("frame").longValue()).isEqualTo(frame);
             }
-            room.loop.stop();
         }
-        room.world.guard().claim();
     }
 
     @Test
@@ -209,6 +204,21 @@ class RewindTest {
     }
 
     // ---- helpers ----
+
+    /** A room whose world runs on a thread of its own, until it is closed. */
+    private record Running(AgentRoom room, ExecutorService thread) implements AutoCloseable {
+        Running(AgentRoom room) {
+            this(room, Executors.newSingleThreadExecutor());
+            thread.submit(() -> room.loop.run());
+        }
+
+        @Override
+        public void close() {
+            room.loop.stop();
+            thread.close();
+            room.world.guard().claim();
+        }
+    }
 
     private int lastId;
 

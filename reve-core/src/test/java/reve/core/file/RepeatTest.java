@@ -293,7 +293,8 @@ class RepeatTest {
         WorldFileException refused = catchThrowableOfType(WorldFileException.class,
                 () -> load("a\n1\n", "  - {name: 'a{i}', repeat: ../suns.csv}\n"));
 
-        assertThat(refused).hasMessage(folder + "/world.yaml:4:28: repeat: `../suns.csv` leads out "
-                + "of its folder; `..` is not allowed");
+        assertThat(refused).hasMessage(folder + "/world.yaml:4:28: repeat: ../suns.csv: expected a "
+                + "path within the world's folder, such as models/duck.glb: not an absolute one, "
+                + "without `..`, `.`, `:` or `\\`");
     }
 }

@@ -16,8 +16,8 @@ import javax.imageio.ImageIO;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.core.frame.Timing;
-import reve.core.mesh.AssetFolder;
 import reve.core.mesh.Assets;
+import reve.core.mesh.WorldFolder;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
@@ -82,7 +82,7 @@ class WorldFileTest {
         String written = new ItemWriter(WorldPrototype.standard("si-f64")).write(items.get(1));
         ItemDefinition again = WorldFile.parseItem("b", written,
                 WorldPrototype.standard("si-f64"),
-                new Assets(Optional.of(new AssetFolder(folder))));
+                new Assets(new WorldFolder(folder)));
         assertThat(((Mesh) again.shape()).file()).contains("models/t.obj");
         assertThat(again.material().orElseThrow().texture().orElseThrow().file())
                 .contains("tile.png");

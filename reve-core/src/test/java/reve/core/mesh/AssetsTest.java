@@ -28,7 +28,7 @@ class AssetsTest {
     Path folder = Path.of("");
 
     private Assets assets() {
-        return new Assets(Optional.of(new AssetFolder(folder)));
+        return new Assets(new WorldFolder(folder));
     }
 
     private Mesh mesh(String name, byte[] content) throws IOException, AssetException {
@@ -227,7 +227,7 @@ class AssetsTest {
         Files.writeString(folder.resolve("x.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         Files.createSymbolicLink(inside.resolve("out"), folder);
         Files.createSymbolicLink(inside.resolve("out.obj"), folder.resolve("x.obj"));
-        var assets = new Assets(Optional.of(new AssetFolder(inside)));
+        var assets = new Assets(new WorldFolder(inside));
         assertThatThrownBy(() -> assets.mesh(path)).isInstanceOf(AssetException.class)
                 .hasMessageMatching("(?s).*(within the world's folder|out of the world's folder"
                         + "|a path of 0 characters).*");

@@ -10,7 +10,6 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.Arrays;
-import java.util.Optional;
 import java.util.Random;
 import java.util.zip.CRC32;
 import org.junit.jupiter.api.Test;
@@ -28,7 +27,7 @@ class BrokenAssetsTest {
 
     private void read(String name, byte[] content) throws IOException, AssetException {
         Files.write(folder.resolve(name), content);
-        var assets = new Assets(Optional.of(new AssetFolder(folder)));
+        var assets = new Assets(new WorldFolder(folder));
         if (name.endsWith("png") || name.endsWith("jpg")) {
             assets.texture(name);
         } else {

@@ -15,6 +15,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.mesh.Assets;
+import reve.core.mesh.WorldFolder;
 import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.Column;
@@ -43,7 +44,7 @@ class WorldCodecTest {
                             Optional.of("body"), "Who has it."))).withSymbols(List.of(
                     new SymbolDescriptor("reach", SymbolType.NUMBER, Unit.parse("km"), "How far.")));
 
-    private static final Assets NONE = new Assets(Optional.empty());
+    private static final Assets NONE = new Assets(WorldFolder.none());
 
     @ParameterizedTest(name = "seed {0}")
     @ValueSource(longs = {1, 2, 3, 4, 5, 6})

@@ -3,10 +3,9 @@ package reve.worlds.journal;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
 import java.util.Map;
-import java.util.Optional;
 import reve.core.frame.Timing;
-import reve.core.mesh.AssetFolder;
 import reve.core.mesh.Assets;
+import reve.core.mesh.WorldFolder;
 import reve.core.store.PrototypeCodec;
 import reve.core.store.Trees;
 import reve.core.world.WorldPrototype;
@@ -21,7 +20,7 @@ public record WorldHeader(String name, WorldPrototype prototype, Timing timing, 
 
     /** The world's meshes and textures, read when first asked for. One thread. */
     public Assets assets() {
-        return new Assets(Optional.of(new AssetFolder(folder)));
+        return new Assets(new WorldFolder(folder));
     }
 
     Map<String, Object> tree() {

@@ -8,20 +8,30 @@ import java.nio.file.LinkOption;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.util.List;
+import java.util.Optional;
 
 /**
- * The folder that a world file lies in, from which alone its meshes and textures come. Paths are
- * relative to it, with {@code /} between names, and never lead out of it: not by {@code ..}, not by
- * a link, not by a URL. Any thread.
+ * The folder that a world file lies in, from which alone all that it names is read: included files,
+ * tables, meshes, textures. Paths are relative to it, with {@code /} between names, and never lead
+ * out of it: not by {@code ..}, not by a link, not by a URL. Any thread.
  */
-public final class AssetFolder {
+public final class WorldFolder {
 
     private static final int MAX_PATH_LENGTH = 1024;
 
-    private final Path folder;
+    private final Optional<Path> folder;
 
-    public AssetFolder(Path folder) {
+    public WorldFolder(Path folder) {
+        this(Optional.of(folder));
+    }
+
+    private WorldFolder(Optional<Path> folder) {
         this.folder = folder;
+    }
+
+    /** Of a world that is not read from a file: there is nothing in it. */
+    public static WorldFolder none() {
+        return new WorldFolder(Optional.empty());
     }
 
     /**
@@ -30,10 +40,12 @@ public final class AssetFolder {
      * @return the real path of a regular file in this folder or one below it
      * @throws AssetException if the path is not of that kind, or there is no such file
      */
-    public Path resolve(String path) throws AssetException {
-        requireRelative(path);
+    public Path find(String path) throws AssetException {
+        requireWithin(path);
+        Path here = folder.orElseThrow(() -> new AssetException(
+                path + ": a world that is not read from a file has no folder to find it in"));
         try {
-            Path root = folder.toRealPath();
+            Path root = here.toRealPath();
             Path real = root.resolve(path).toRealPath();
             if (!real.startsWith(root)) {
                 throw new AssetException(path + ": a link that leads out of the world's folder");
@@ -52,7 +64,7 @@ public final class AssetFolder {
 
     /** @throws AssetException if there is no such file, or more than {@code maxBytes} in it */
     byte[] read(String path, int maxBytes) throws AssetException {
-        try (InputStream in = Files.newInputStream(resolve(path), LinkOption.NOFOLLOW_LINKS)) {
+        try (InputStream in = Files.newInputStream(find(path), LinkOption.NOFOLLOW_LINKS)) {
             byte[] bytes = in.readNBytes(maxBytes + 1);
             if (bytes.length > maxBytes) {
                 throw new AssetException(path + ": larger than " + (maxBytes >> 20) + " MiB");
@@ -63,15 +75,15 @@ public final class AssetFolder {
         }
     }
 
-    private static void requireRelative(String path) throws AssetException {
+    private static void requireWithin(String path) throws AssetException {
         if (path.isEmpty() || path.length() > MAX_PATH_LENGTH) {
             throw new AssetException("a path of " + path.length() + " characters, expected 1 to "
                     + MAX_PATH_LENGTH);
         }
         boolean plain = path.chars().noneMatch(c -> c == '\\' || c == ':' || c < ' ');
-        if (!plain || !List.of(path.split("/", -1)).stream().allMatch(AssetFolder::isName)) {
+        if (!plain || !List.of(path.split("/", -1)).stream().allMatch(WorldFolder::isName)) {
             throw new AssetException(path + ": expected a path within the world's folder, such as "
-                    + "models/duck.glb, without `..`, `:` or `\\`");
+                    + "models/duck.glb: not an absolute one, without `..`, `.`, `:` or `\\`");
         }
     }
 
