@@ -185,6 +185,42 @@ class CommandLineIT {
     }
 
     @Test
+    void allLawsThatDoNotLoadAreToldAtOnce() throws Exception {
+        Path world = write("""
+                reve: 1
+                name: lawless
+                laws:
+                  - newton_motoin
+                  - gravity_field
+                  - {name: barnes_hut_gravitation, parameters: {brightness: 3}}
+                """);
+        Outcome outcome = Reve.run("check", world.toString());
+        assertThat(outcome.code()).isEqualTo(4);
+        assertThat(outcome.err().lines().toList()).satisfiesExactly(
+                line -> assertThat(line).startsWith(world + ":4:5: ").contains("newton_motoin"),
+                line -> assertThat(line).startsWith(world + ":6:12: ").contains("brightness"));
+        JsonNode json = new JsonMapper().readTree(Reve.run("check", "--json", world.toString()).out());
+        assertThat(json.get("problems").size()).isEqualTo(2);
+    }
+
+    @Test
+    void whatIsNoRecordingIsNamedWithTheReason() throws Exception {
+        Path none = folder.resolve("none.log");
+        assertRefused(none, "there is no recording " + none);
+        assertRefused(folder, folder + " is no file that could be a recording");
+        Path text = write("hello\n");
+        assertRefused(text, text + " is no recording of this version of REVE");
+        Path begun = Files.writeString(folder.resolve("begun.log"), "REVE run log 2\n");
+        assertRefused(begun, begun + " ends before the first image of the world");
+    }
+
+    private static void assertRefused(Path recording, String reason) throws Exception {
+        Outcome outcome = Reve.run("replay", recording.toString());
+        assertThat(outcome.code()).isEqualTo(1);
+        assertThat(outcome.err()).startsWith("reve: " + reason);
+    }
+
+    @Test
     void aMissingFileIsNamed() throws Exception {
         Outcome outcome = Reve.run("run", folder.resolve("nowhere.yaml").toString());
         assertThat(outcome.code()).isEqualTo(1);

@@ -63,7 +63,8 @@ final class Language {
     private static final Pattern UNDECLARED =
             Pattern.compile("undeclared reference to '(.*)' \\(in container ''\\)");
     private static final Pattern INPUT =
-            Pattern.compile("(?:mismatched|extraneous) input '(.*?)' expecting.*");
+            Pattern.compile("(?:mismatched|extraneous) input '(.*?)' expecting.*"
+                    + "|token recognition error at: '(.*)'");
     private static final Pattern NO_OVERLOAD = Pattern.compile(
             "found no matching overload for '(.*)' applied to '(.*)'( \\(candidates.*)?");
 
@@ -134,12 +135,19 @@ final class Language {
         }
         Matcher input = INPUT.matcher(issue);
         if (input.matches()) {
-            return input.group(1).equals("<EOF>") ? "the expression ends too early"
-                    : "`" + input.group(1) + "` makes no sense here";
+            String found = input.group(1) == null ? input.group(2) : input.group(1);
+            return found.equals("<EOF>") ? "the expression ends too early"
+                    : "`" + found.strip() + "` makes no sense here";
         }
         Matcher overload = NO_OVERLOAD.matcher(issue);
         return overload.matches() ? "`" + overload.group(1).replace("_", "")
-                + "` does not go with " + overload.group(2) : issue;
+                + "` does not go with " + words(overload.group(2)) : issue;
+    }
+
+    /** Types in the words that the documents use: of {@code list(double)}, list of numbers. */
+    private static String words(String types) {
+        return types.replaceAll("\\b(int|uint|double)\\b", "number").replace("string", "text")
+                .replace("bool", "truth").replaceAll("list\\((\\w+)\\)", "list of $1s");
     }
 
     private static ExpressionType type(CelType type) throws ExpressionException {

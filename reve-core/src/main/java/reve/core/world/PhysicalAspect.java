@@ -56,7 +56,7 @@ public final class PhysicalAspect {
         double[] unit = Values.requireRotation(item.name(), x, y, z, w);
         moveWithinParent(location(), unit);
         write("orientation", unit);
-        note("orientation", numbers(from), List.of(x, y, z, w));
+        note("orientation", numbers(from), numbers(unit));
     }
 
     /** Extent of the shape along the item's own axes (3) [m]. */

@@ -49,6 +49,81 @@ class BoundingBoxesTest {
         }
     }
 
+    /** Around the mesh's own box, turned: all vertices are in it; by quarter turns, as close as can be. */
+    @ParameterizedTest
+    @CsvSource({"si-f64, 1e-12", "si-f32, 1e-5"})
+    void holdEveryVertexOfATurnedMeshAndTouchThemAfterQuarterTurns(String prototype,
+            double tolerance) {
+        long seed = Long.getLong("reve.seed", System.nanoTime());
+        System.out.println("BoundingBoxesTest meshes " + prototype + " seed " + seed);
+        var random = new Random(seed);
+        World world = world(prototype);
+        for (int i = 0; i < 100; i++) {
+            boolean quarters = i % 2 == 0;
+            double[] q = quarters ? quarterTurns(random) : new double[] {
+                number(random), number(random), number(random), number(random)};
+            Item item = world.add(ItemDefinition.named("mesh" + i).shape(mesh(random))
+                    .at(number(random), number(random), number(random))
+                    .orientation(q[0], q[1], q[2], q[3]).build());
+            new BoundingBoxes().update(world);
+            double[][] vertices = verticesInWorld(item);
+            double[] low = item.physical().boundsMin();
+            double[] high = item.physical().boundsMax();
+            for (int axis = 0; axis < 3; axis++) {
+                String what = "seed " + seed + " " + item + " axis " + axis;
+                assertThat(vertices[0][axis]).as(what).isGreaterThanOrEqualTo(low[axis] - tolerance);
+                assertThat(vertices[1][axis]).as(what).isLessThanOrEqualTo(high[axis] + tolerance);
+                if (quarters) {
+                    assertThat(low[axis]).as(what).isCloseTo(vertices[0][axis], within(tolerance));
+                    assertThat(high[axis]).as(what).isCloseTo(vertices[1][axis], within(tolerance));
+                }
+            }
+        }
+    }
+
+    /** Up to three quarter turns, about any of the axes: {@code (1, 0, 0, 1)} is one about x. */
+    private static double[] quarterTurns(Random random) {
+        double[] q = {0, 0, 0, 1};
+        for (int turn = random.nextInt(4); turn > 0; turn--) {
+            double[] next = new double[4];
+            int x = random.nextInt(3);
+            int y = (x + 1) % 3;
+            int z = (x + 2) % 3;
+            next[x] = q[x] + q[3];
+            next[y] = q[y] - q[z];
+            next[z] = q[z] + q[y];
+            next[3] = q[3] - q[x];
+            q = next;
+        }
+        return q;
+    }
+
+    /** Off centre, of points that are no corners of its own box. */
+    private static Shape mesh(Random random) {
+        float[] vertices = new float[3 * (3 + random.nextInt(30))];
+        for (int i = 0; i < vertices.length; i++) {
+            vertices[i] = random.nextFloat() * (1 + i % 3) + 2;
+        }
+        return Shape.mesh(vertices, new int[] {0, 1, 2});
+    }
+
+    /** Lowest and highest coordinates of all vertices, turned and placed one by one. */
+    private static double[][] verticesInWorld(Item item) {
+        double[] low = {Double.MAX_VALUE, Double.MAX_VALUE, Double.MAX_VALUE};
+        double[] high = {-Double.MAX_VALUE, -Double.MAX_VALUE, -Double.MAX_VALUE};
+        double[] at = item.physical().location();
+        var vertices = ((Mesh) item.physical().shape()).vertices();
+        while (vertices.hasRemaining()) {
+            double[] turned = turn(item.physical().orientation(),
+                    new double[] {vertices.get(), vertices.get(), vertices.get()});
+            for (int axis = 0; axis < 3; axis++) {
+                low[axis] = Math.min(low[axis], at[axis] + turned[axis]);
+                high[axis] = Math.max(high[axis], at[axis] + turned[axis]);
+            }
+        }
+        return new double[][] {low, high};
+    }
+
     @Test
     void aQuarterTurnSwapsTheSidesOfABox() {
         World world = world("si-f64");

@@ -161,7 +161,7 @@ class WorldFileProblemsTest {
             '{force: $speed}'                     ! force: unit m/s of $speed does not fit N
             '{force: 1 0 0, for: -1 s}'           ! for: found -1.0 s, expected 0 s or longer
             '{set: physics.mass, to: $mass + }'   ! to: the expression ends too early
-            '{set: physics.mass, to: $speed + 1}' ! to: `+` does not go with (list(double), int)
+            '{set: physics.mass, to: $speed + 1}' ! to: `+` does not go with (list of numbers, number)
             '{set: physics.mass, to: "$add(speed, speed)"}' ! to: `add(speed, speed)` is a list, expected a number
             '{symbol: a, to: $weather == 1}'      ! to: unknown name `weather`; known are actor, impulse, item, mass, physical, physics, semantic, speed, word
             '{symbol: a, to: $speed}'             ! to: a symbol takes one value, $speed has 3

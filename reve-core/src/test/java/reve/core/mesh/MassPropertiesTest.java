@@ -70,6 +70,31 @@ class MassPropertiesTest {
     }
 
     @Test
+    void randomConvexSolidsHaveTheIntegralsOfTheirSlices() {
+        long seed = Long.getLong("reve.seed", System.nanoTime());
+        System.out.println("MassPropertiesTest convex solids, seed " + seed);
+        var random = new Random(seed);
+        for (int n = 0; n < 200; n++) {
+            String what = "solid " + n + " of seed " + seed;
+            var solid = new ConvexSolid(random, 4 + random.nextInt(9));
+            MassProperties found = MassProperties.of(solid.mesh(), 700);
+            double[] i = solid.integrals(found.centre());
+            double volume = i[0];
+            double size = Math.cbrt(volume);
+            assertThat(found.volume()).as(what).isCloseTo(volume, within(1e-8 * volume));
+            assertThat(found.mass()).as(what).isCloseTo(700 * volume, within(7e-6 * volume));
+            assertThat(new double[] {i[1] / volume, i[2] / volume, i[3] / volume})
+                    .as("centre from that found, " + what)
+                    .containsExactly(new double[3], within(1e-8 * size));
+            var tolerance = within(1e-7 * 700 * (i[4] + i[5] + i[6]));
+            assertThat(found.moments()).as(what).containsExactly(new double[] {
+                700 * (i[5] + i[6]), 700 * (i[6] + i[4]), 700 * (i[4] + i[5])}, tolerance);
+            assertThat(found.products()).as(what).containsExactly(
+                    new double[] {-700 * i[7], -700 * i[8], -700 * i[9]}, tolerance);
+        }
+    }
+
+    @Test
     void theInertiaOfATurnedMeshIsTheTurnedInertia() {
         long seed = Long.getLong("reve.seed", System.nanoTime());
         System.out.println("MassPropertiesTest seed " + seed);

@@ -63,7 +63,7 @@ class WorldChangeTest {
         Action push = action("push");
         Action harder = action("push");
         lamp.physical().setLocation(1, 2, 3);
-        lamp.physical().setOrientation(0, 0, 0, 2);
+        lamp.physical().setOrientation(0, 0, 2, 0);
         lamp.physical().setShape(Shape.sphere(1));
         lamp.physical().setColour(Colour.parse("#ff0000"));
         lamp.semantic().set("lit", true);
@@ -76,7 +76,7 @@ class WorldChangeTest {
         lamp.physics().set("charge", 4);
         assertThat(world.changes()).containsExactly(
                 physical("location", List.of(0.0, 0.0, 0.0), List.of(1.0, 2.0, 3.0)),
-                physical("orientation", List.of(0.0, 0.0, 0.0, 1.0), List.of(0.0, 0.0, 0.0, 2.0)),
+                physical("orientation", List.of(0.0, 0.0, 0.0, 1.0), List.of(0.0, 0.0, 1.0, 0.0)),
                 physical("shape", Shape.none(), Shape.sphere(1)),
                 physical("colour", Colour.DEFAULT, Colour.parse("#ff0000")),
                 new Edited(lamp.id(), Aspect.SEMANTIC, "lit", null, true),

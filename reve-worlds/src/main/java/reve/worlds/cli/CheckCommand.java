@@ -68,7 +68,8 @@ public final class CheckCommand implements Callable<Integer> {
             }
             return ExitCode.OK;
         } catch (PhysicsException refused) {
-            problems.add(Map.of("message", refused.getMessage()));
+            refused.getMessage().lines()
+                    .forEach(message -> problems.add(Map.of("message", message)));
             if (!json) {
                 err.println(refused.getMessage());
             }

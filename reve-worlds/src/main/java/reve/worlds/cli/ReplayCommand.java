@@ -13,6 +13,8 @@ import picocli.CommandLine.Option;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 import reve.core.frame.Pacing;
+import reve.core.store.CorruptException;
+import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.RunLog;
 import reve.worlds.server.Replay;
 import reve.worlds.server.Simulation;
@@ -39,14 +41,27 @@ public final class ReplayCommand implements Callable<Integer> {
     public Integer call() throws Exception {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(file)) {
-            while (records.hasNext() && replay.take(records.next(), until)) {
+            while (records.hasNext() && take(replay, records.next())) {
                 // each record is made as it is read
             }
             boolean same = replay.divergence().isEmpty();
+            if (replay.frame() < 0) {
+                throw new CorruptException(file + " ends before the first image of the world: "
+                        + "there is nothing to replay");
+            }
             try (Simulation simulation = replay.release()) {
                 report(replay, simulation, records.wasCut());
             }
             return same ? ExitCode.OK : ExitCode.FAILURE;
+        }
+    }
+
+    private boolean take(Replay replay, JournalRecord record) {
+        try {
+            return replay.take(record, until);
+        } catch (CorruptException meaningless) {
+            String place = replay.frame() < 0 ? "" : ", after frame " + replay.frame();
+            throw new CorruptException(file + place + ": " + meaningless.getMessage());
         }
     }
 

@@ -186,6 +186,10 @@ public final class RunLog {
 
         private Reader(Path file) throws IOException {
             this.file = file;
+            if (!Files.isRegularFile(file)) {
+                throw new IOException(Files.exists(file) ? file + " is no file that could be a "
+                        + "recording" : "there is no recording " + file);
+            }
             size = Files.size(file);
             InputStream stream = Files.newInputStream(file);
             in = new DataInputStream(new BufferedInputStream(stream, 1 << 16));

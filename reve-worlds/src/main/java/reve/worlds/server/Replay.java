@@ -16,6 +16,7 @@ import reve.core.file.WorldDescription;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FramePhase;
 import reve.core.frame.Pacing;
+import reve.core.frame.Timing;
 import reve.core.frame.Subscription;
 import reve.core.store.CorruptException;
 import reve.core.store.Trees;
@@ -195,11 +196,16 @@ public final class Replay implements AutoCloseable {
 
     private static void requireSame(WorldHeader header, WorldDescription description) {
         requireSame("is called", header.name(), description.name());
-        requireSame("has the timing", header.timing(), description.timing());
+        requireSame("makes", text(header.timing()), text(description.timing()));
         requireSame("has the prototype", header.prototype().name(),
                 description.prototype().name());
         requireSame("has the properties", header.prototype().properties(),
                 description.prototype().properties());
+    }
+
+    private static String text(Timing timing) {
+        return timing.framesPerSecond() + " frames a second of " + timing.stepsPerFrame()
+                + " steps each";
     }
 
     private static void requireSame(String what, Object stored, Object wanted) {

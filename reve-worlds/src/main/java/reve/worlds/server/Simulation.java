@@ -8,6 +8,7 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.function.Consumer;
+import java.util.stream.Collectors;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 import reve.core.derive.DerivedColumns;
@@ -66,7 +67,8 @@ public final class Simulation implements AutoCloseable {
     /**
      * Builds the world and loads its laws.
      *
-     * @throws PhysicsException naming the place in the world file, if a law does not load or fit
+     * @throws PhysicsException if laws do not load or fit: of each, a line that names its place in
+     *     the world file
      */
     public Simulation(WorldDescription description, Pacing pacing) {
         this(description, pacing, Optional.empty());
@@ -127,9 +129,25 @@ public final class Simulation implements AutoCloseable {
 
     /** As old as it is: laws see the time that the world's age stands for. */
     private void begin() {
-        description.laws().forEach(this::load);
+        loadAll(description.laws());
         engine.setStepCount(description.age() * description.timing().stepsPerFrame(),
                 description.timing().dtSeconds());
+    }
+
+    /** Also after a refusal, so that all mistakes are told at once. */
+    private void loadAll(List<LawReference> laws) {
+        List<PhysicsException> refusals = new ArrayList<>();
+        for (LawReference law : laws) {
+            try {
+                load(law);
+            } catch (PhysicsException refused) {
+                refusals.add(refused);
+            }
+        }
+        if (!refusals.isEmpty()) {
+            throw new PhysicsException(refusals.getFirst().status(), refusals.stream()
+                    .map(PhysicsException::getMessage).collect(Collectors.joining("\n")));
+        }
     }
 
     private void load(LawReference law) {

@@ -1,0 +1,99 @@
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import dev.harrel.jsonschema.Validator;
+import dev.harrel.jsonschema.ValidatorFactory;
+import java.io.IOException;
+import java.net.URI;
+import java.nio.charset.StandardCharsets;
+import java.util.List;
+import java.util.Map;
+import java.util.Random;
+import java.util.TreeMap;
+import org.junit.jupiter.api.Test;
+
+/**
+ * What an editor says that has the shipped schema and nothing else, by a validator that shares no
+ * code with the one that reads world files: it sees a whole file at once, items included.
+ */
+class SchemaAgreementTest {
+    private static final int MUTANTS = Integer.getInteger("reve.schema.mutants", 1500);
+    private static final URI FILE = URI.create("urn:reve:world-file:1");
+    private static final URI PART = URI.create("urn:reve:world-file:1#/$defs/part");
+    private final Validator editor = new ValidatorFactory().createValidator();
+
+    SchemaAgreementTest() throws IOException {
+        try (var in = WorldFile.class.getResourceAsStream("/reve-world.schema.json")) {
+            editor.registerSchema(FILE, new String(in.readAllBytes(), StandardCharsets.UTF_8));
+        }
+    }
+
+    @Test
+    void everyWorldFileOfTheProjectIsAccepted() throws IOException {
+        Map<String, Object> worlds = WorldTrees.worlds();
+        assertThat(worlds).as("world files and whole worlds in documents").hasSizeGreaterThan(15);
+        worlds.forEach((place, world) -> assertThat(saidBy(FILE, world)).as(place).isEmpty());
+    }
+
+    @Test
+    void everyIncludedFileOfTheDocumentsIsAcceptedAsAPart() throws IOException {
+        Map<String, Object> parts = new TreeMap<>();
+        WorldTrees.blocks().forEach((place, text) -> {
+            if (text.contains("parts/wheels.yaml\nprefabs:")) {
+                parts.put(place, WorldTrees.loaded(text));
+            }
+        });
+        assertThat(parts).isNotEmpty();
+        parts.forEach((place, part) -> assertThat(saidBy(PART, part)).as(place).isEmpty());
+    }
+
+    @Test
+    void theMistakesInTheDocumentsAreShown() throws IOException {
+        String mistakes = WorldTrees.blocks().values().stream()
+                .filter(text -> text.contains("name: mistakes")).findFirst().orElseThrow();
+        assertThat(saidBy(FILE, WorldTrees.loaded(mistakes))).anyMatch(error -> error.startsWith("/prototyp"));
+    }
+
+    /** Seed printed; {@code -Dreve.test.seed=N} gives it back. */
+    @Test
+    void whatOneRefusesForItsFormTheOtherRefusesToo() throws IOException {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("SchemaAgreementTest seed " + seed);
+        var random = new Random(seed);
+        List<Object> worlds = WorldTrees.worlds().values().stream()
+                .filter(world -> WorldTrees.json(world).length() < 20_000).toList();
+        int refused = 0;
+        for (int i = 0; i < MUTANTS; i++) {
+            Object mutant = WorldTrees.copy(worlds.get(random.nextInt(worlds.size())));
+            for (int changes = 1 + random.nextInt(2); changes > 0; changes--) {
+                WorldTrees.mutate(mutant, random);
+            }
+            List<String> shown = saidBy(FILE, mutant);
+            List<String> told = told(mutant);
+            assertThat(told.isEmpty()).as("seed %d, mutant %d%n%s%neditor: %s%nloader: %s", seed, i,
+                    WorldTrees.json(mutant), shown, told).isEqualTo(shown.isEmpty());
+            refused += shown.isEmpty() ? 0 : 1;
+        }
+        assertThat(refused).isBetween(MUTANTS / 4, MUTANTS * 19 / 20);
+    }
+
+    private List<String> saidBy(URI schema, Object world) {
+        Validator.Result result = editor.validate(schema, WorldTrees.json(world));
+        return result.isValid() ? List.of() : result.getErrors().stream()
+                .map(error -> error.getInstanceLocation() + ": " + error.getError()).toList();
+    }
+
+    private static List<String> told(Object world) {
+        var problems = new Problems("w");
+        try {
+            Node root = YamlReader.read(WorldTrees.json(world), problems,
+                    new Allowance(YamlReader.MAX_VALUES));
+            SchemaCheck.check(root, problems);
+            problems.throwIfAny();
+            return List.of();
+        } catch (WorldFileException refused) {
+            return refused.problems().stream().map(Problem::toString).toList();
+        }
+    }
+}
