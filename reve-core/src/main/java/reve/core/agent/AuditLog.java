@@ -39,11 +39,9 @@ final class AuditLog implements Closeable {
     }
 
     /** @throws UncheckedIOException if it cannot be written down */
-    synchronized void told(String world, String client, Encoding encoding, Outbox.Line message) {
-        var line = ByteBuffer.allocate(message.bytes());
-        line.put(message.head()).put(message.tail()).flip();
+    synchronized void told(String world, String client, Encoding encoding, ByteBuffer line) {
         String json = encoding == Encoding.JSON
-                ? withoutPixels(new String(line.array(), 0, line.remaining() - 1, StandardCharsets.UTF_8))
+                ? withoutPixels(StandardCharsets.UTF_8.decode(line.slice(0, line.remaining() - 1)).toString())
                 : MessagePackReader.read(line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES),
                         AuditLog::hash).toString();
         String entry = "{\"at\":\"" + clock.instant() + "\",\"world\":\"" + world + "\",\"client\":\"" + client

@@ -19,7 +19,27 @@ final class Bytes {
     }
 
     byte[] toArray() {
-        return Arrays.copyOf(bytes.array(), size());
+        return copy(0);
+    }
+
+    /** What was written from a place on. */
+    byte[] copy(int start) {
+        return Arrays.copyOfRange(bytes.array(), start, size());
+    }
+
+    /** What was written from a place on, in place: valid until more is written. */
+    ByteBuffer view(int start) {
+        return ByteBuffer.wrap(bytes.array(), start, size() - start).slice();
+    }
+
+    /** Puts what was written from a place on into a buffer, as far as it has room. */
+    void get(int start, ByteBuffer into) {
+        into.put(bytes.array(), start, Math.min(into.remaining(), size() - start));
+    }
+
+    /** Writes over what is there. */
+    void setInt(int at, int number) {
+        bytes.putInt(at, number);
     }
 
     Bytes put(int octet) {
@@ -44,6 +64,11 @@ final class Bytes {
             room.put((byte) c);
         }
         return this;
+    }
+
+    /** In decimal digits. */
+    Bytes put(long number) {
+        return put(Long.toString(number));
     }
 
     Bytes putShort(int number) {

@@ -6,6 +6,7 @@ import java.net.InetSocketAddress;
 import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
 import java.nio.charset.StandardCharsets;
+import java.util.Objects;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.regex.Pattern;
 import javax.net.ssl.SSLException;
@@ -350,40 +351,44 @@ final class Connection implements EventLoop.Handler {
 
     private boolean writeAll() throws IOException {
         while (writeUnsent()) {
-            ByteBuffer out = server.loop().writeBuffer();
-            for (Outbox.Line line = next(out); line != null; line = next(out)) {
-                out.put(line.head()).put(line.tail());
+            Bytes out = server.loop().outgoing();
+            Outbox.Waiting next = outbox.poll();
+            while (next != null) {
+                append(next, out);
+                next = out.size() < EventLoop.WRITE_BUFFER_BYTES ? outbox.poll() : null;
             }
-            if (out.position() > 0) {
-                wire.write(out.flip());
-                keep(out);
-                continue;
-            }
-            Outbox.Line longer = next(null);
-            if (longer == null) {
+            if (out.size() == 0) {
                 return true;
             }
-            keep(ByteBuffer.allocate(longer.bytes()).put(longer.head()).put(longer.tail()).flip());
+            send(out);
         }
         return false;
     }
 
-    private Outbox.@Nullable Line next(@Nullable ByteBuffer room) {
-        Outbox.Line line = outbox.poll(room == null ? Integer.MAX_VALUE : room.remaining());
+    private void append(Outbox.Waiting next, Bytes out) {
+        int start = out.size();
         Session client = session;
-        if (line != null && client != null) {
-            server.audit().ifPresent(audit -> audit.told(client.world().name(), client.name(), encoding, line));
+        switch (next) {
+            case Outbox.Message message -> out.put(message.bytes());
+            case Outbox.Perception seen -> Objects.requireNonNull(client).world().publisher().telling()
+                    .write(out, encoding, seen.id(), seen.view(), seen.before());
         }
-        return line;
+        if (client != null) {
+            server.audit().ifPresent(audit ->
+                    audit.told(client.world().name(), client.name(), encoding, out.view(start)));
+        }
     }
 
-    /** The socket takes no more now. */
-    private void keep(ByteBuffer rest) {
-        if (rest.hasRemaining()) {
-            unsent = rest.isDirect() ? ByteBuffer.allocate(rest.remaining()).put(rest).flip() : rest;
-        }
-        if (isStuck()) {
-            unsentSinceNanos = System.nanoTime();
+    private void send(Bytes out) throws IOException {
+        for (int sent = 0; sent < out.size() && !isStuck();) {
+            ByteBuffer piece = server.loop().writeBuffer();
+            out.get(sent, piece);
+            wire.write(piece.flip());
+            sent += piece.position();
+            if (piece.hasRemaining() || wire.hasUnsent()) {
+                unsent = sent < out.size() ? ByteBuffer.wrap(out.copy(sent)) : NOTHING;
+                unsentSinceNanos = System.nanoTime();
+            }
         }
     }
 

@@ -1,6 +1,5 @@
 package reve.core.agent;
 
-import java.nio.ByteBuffer;
 import java.util.Arrays;
 import java.util.Optional;
 import java.util.function.Consumer;
@@ -15,24 +14,22 @@ enum Encoding {
         }
 
         @Override
-        byte[] frame(byte[] message) {
-            byte[] line = Arrays.copyOf(message, message.length + 1);
-            line[message.length] = '\n';
-            return line;
+        MessageWriter fields(Bytes out) {
+            return JsonWriter.behindField(out);
         }
 
         @Override
-        byte[] head(Bytes scratch, String type, long id, int count, int bytes) {
-            scratch.clear().put("{\"t\":\"").put(type).put('"');
+        MessageWriter begin(Bytes out, String type, long id, int fields) {
+            out.put("{\"t\":\"").put(type).put('"');
             if (id != ClientMessage.NO_ID) {
-                scratch.put(",\"id\":").put(Long.toString(id));
+                out.put(",\"id\":").put(id);
             }
-            return scratch.put(',').toArray();
+            return fields(out);
         }
 
         @Override
-        byte[] fields(Bytes out) {
-            return out.put("}\n").toArray();
+        void end(Bytes out, int start) {
+            out.put("}\n");
         }
     },
     /** A MessagePack map behind its length in 4 bytes, the highest first. */
@@ -43,29 +40,27 @@ enum Encoding {
         }
 
         @Override
-        byte[] frame(byte[] message) {
-            return ByteBuffer.allocate(LENGTH_BYTES + message.length).putInt(message.length).put(message).array();
+        MessageWriter fields(Bytes out) {
+            return writer(out);
         }
 
         @Override
-        byte[] head(Bytes scratch, String type, long id, int count, int bytes) {
+        MessageWriter begin(Bytes out, String type, long id, int fields) {
             boolean answers = id != ClientMessage.NO_ID;
-            MessageWriter writer = writer(scratch.clear().putInt(0));
-            writer.beginMap(count + (answers ? 2 : 1));
+            MessageWriter writer = writer(out.putInt(0));
+            writer.beginMap(fields + (answers ? 2 : 1));
             writer.key("t");
             writer.text(type);
             if (answers) {
                 writer.key("id");
                 writer.integer(id);
             }
-            byte[] head = scratch.toArray();
-            ByteBuffer.wrap(head).putInt(head.length - LENGTH_BYTES + bytes);
-            return head;
+            return writer;
         }
 
         @Override
-        byte[] fields(Bytes out) {
-            return out.toArray();
+        void end(Bytes out, int start) {
+            out.setInt(start, out.size() - start - LENGTH_BYTES);
         }
     };
 
@@ -93,19 +88,18 @@ enum Encoding {
         return out.toArray();
     }
 
-    /** The last fields of a message that begins with a {@link #head}, up to its end. @param scratch to write in */
-    byte[] fields(Bytes scratch, Consumer<MessageWriter> content) {
-        content.accept(writer(scratch.clear()));
-        return fields(scratch);
-    }
-
     abstract MessageWriter writer(Bytes out);
 
-    /** A whole message as it goes over the wire. */
-    abstract byte[] frame(byte[] message);
+    /** Writes fields that follow others in a message. */
+    abstract MessageWriter fields(Bytes out);
 
-    /** The beginning of a message, before {@code count} fields in {@code bytes} bytes. @param scratch to write in */
-    abstract byte[] head(Bytes scratch, String type, long id, int count, int bytes);
+    /**
+     * Begins a message as it goes over the wire.
+     *
+     * @param fields how many come next, each a key and a value, before its {@link #end}
+     */
+    abstract MessageWriter begin(Bytes out, String type, long id, int fields);
 
-    abstract byte[] fields(Bytes out);
+    /** Ends the message that begins at a place of the bytes. */
+    abstract void end(Bytes out, int start);
 }

@@ -19,8 +19,8 @@ import reve.core.frame.FrameClock;
  */
 final class EventLoop implements LockStep.Waiting {
 
-    /** What one turn writes for one client goes through it. */
-    private static final int WRITE_BUFFER_BYTES = 64 * 1024;
+    /** So much is handed to a socket at once. */
+    static final int WRITE_BUFFER_BYTES = 64 * 1024;
 
     private static final long NAP_NANOS = 5_000_000;
 
@@ -50,6 +50,7 @@ final class EventLoop implements LockStep.Waiting {
     private final ReentrantLock duty = new ReentrantLock();
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
     private final ByteBuffer writeBuffer = ByteBuffer.allocateDirect(WRITE_BUFFER_BYTES);
+    private final Bytes outgoing = new Bytes();
     private long checkedNanos = System.nanoTime();
     /** Somebody brought work since this turn began. */
     private volatile boolean woken;
@@ -114,6 +115,11 @@ final class EventLoop implements LockStep.Waiting {
     /** For use in one turn. */
     ByteBuffer writeBuffer() {
         return writeBuffer.clear();
+    }
+
+    /** Where what goes to one client is put together; for use in one turn. */
+    Bytes outgoing() {
+        return outgoing.clear();
     }
 
     /**

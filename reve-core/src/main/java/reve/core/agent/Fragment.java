@@ -16,15 +16,33 @@ final class Fragment {
 
     /** The caller does not change the bytes. */
     byte[] in(Encoding encoding) {
-        byte[] known = encoding == Encoding.JSON ? json : packed;
-        if (known == null) {
-            known = encoding.value(content);
-            if (encoding == Encoding.JSON) {
-                json = known;
-            } else {
-                packed = known;
-            }
+        byte[] known = known(encoding);
+        return known != null ? known : keep(encoding, encoding.value(content));
+    }
+
+    /** Writes the value where the writer is. @param out what the writer writes to */
+    void write(MessageWriter writer, Bytes out) {
+        Encoding encoding = writer.encoding();
+        byte[] known = known(encoding);
+        if (known != null) {
+            out.put(known);
+        } else {
+            int start = out.size();
+            content.accept(writer);
+            keep(encoding, out.copy(start));
         }
-        return known;
+    }
+
+    private byte @Nullable [] known(Encoding encoding) {
+        return encoding == Encoding.JSON ? json : packed;
+    }
+
+    private byte[] keep(Encoding encoding, byte[] encoded) {
+        if (encoding == Encoding.JSON) {
+            json = encoded;
+        } else {
+            packed = encoded;
+        }
+        return encoded;
     }
 }

@@ -15,6 +15,13 @@ final class JsonWriter implements MessageWriter {
         this.out = out;
     }
 
+    /** One that goes on in an object behind a field. */
+    static JsonWriter behindField(Bytes out) {
+        var writer = new JsonWriter(out);
+        writer.behindValue = true;
+        return writer;
+    }
+
     @Override
     public void beginMap(int fields) {
         begin('{');
@@ -83,9 +90,11 @@ final class JsonWriter implements MessageWriter {
     }
 
     @Override
-    public void encoded(byte[] value) {
+    public void fragment(Fragment fragment) {
         beginValue();
-        out.put(value);
+        behindValue = false;
+        fragment.write(this, out);
+        behindValue = true;
     }
 
     @Override

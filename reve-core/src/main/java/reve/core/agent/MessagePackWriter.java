@@ -85,8 +85,8 @@ record MessagePackWriter(Bytes out) implements MessageWriter {
     }
 
     @Override
-    public void encoded(byte[] value) {
-        out.put(value);
+    public void fragment(Fragment fragment) {
+        fragment.write(this, out);
     }
 
     @Override

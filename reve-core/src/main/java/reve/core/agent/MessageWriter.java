@@ -28,18 +28,13 @@ interface MessageWriter {
     /** @param number finite */
     void number(double number);
 
-    /** A value that was encoded before. */
-    void encoded(byte[] value);
+    /** A value that many messages hold. */
+    void fragment(Fragment fragment);
 
     Encoding encoding();
 
     /** In JSON a text, in base64 (RFC 4648). */
     void bytes(byte[] bytes);
-
-    /** A value that many messages hold. */
-    default void fragment(Fragment fragment) {
-        encoded(fragment.in(encoding()));
-    }
 
     /** {@code count} numbers from {@code first} on. */
     default void numbers(double[] numbers, int first, int count) {

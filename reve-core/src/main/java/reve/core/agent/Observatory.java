@@ -7,6 +7,7 @@ import java.util.Arrays;
 import java.util.Collections;
 import java.util.HashMap;
 import java.util.HashSet;
+import java.util.IdentityHashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
@@ -50,6 +51,7 @@ final class Observatory {
     private Seen[] seen = {};
     /** What sensors show, as far as somebody has sensed it. */
     private final Map<Shown, Seen[]> sensed = new HashMap<>();
+    private final Map<Sensor, Seen[]> shownBy = new IdentityHashMap<>();
 
     // By row.
     private long[] ids = {};
@@ -113,6 +115,7 @@ final class Observatory {
         items = present.toArray(EncodedItem[]::new);
         seen = same.toArray(Seen[]::new);
         sensed.clear();
+        shownBy.clear();
         idByName = names;
         symbols = now;
     }
@@ -189,22 +192,45 @@ final class Observatory {
         return Optional.ofNullable(idByName.get(name));
     }
 
-    /** What one sensor of a body senses now, and the body itself, in the order of ids. */
-    List<Seen> sense(Sensor sensor, ItemId body) {
+    /**
+     * What one sensor of a body senses now, and the body itself, in the order of ids.
+     *
+     * @param before what it sensed before; the same list if it senses the same now
+     */
+    List<Seen> sense(Sensor sensor, ItemId body, List<Seen> before) {
         int eye = everything.indexOf(body);
-        Seen[] shown = sensed.computeIfAbsent(Shown.by(sensor), unknown -> new Seen[items.length]);
+        gather(sensor, eye);
+        return isGathered(before) ? before
+                : Collections.unmodifiableList(Arrays.asList(Arrays.copyOf(gathered, gatheredCount)));
+    }
+
+    private boolean isGathered(List<Seen> items) {
+        if (items.size() != gatheredCount) {
+            return false;
+        }
+        for (int i = 0; i < gatheredCount; i++) {
+            if (items.get(i) != gathered[i]) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+    private void gather(Sensor sensor, int eye) {
+        Seen[] shown = shownBy.computeIfAbsent(sensor,
+                its -> sensed.computeIfAbsent(Shown.by(its), unknown -> new Seen[items.length]));
         gatheredCount = 0;
         if (sensor.isCamera()) {
             if (eye >= 0) {
                 gather(seen[eye]);
             }
-            return gathered();
+            return;
         }
         if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited() || Double.isInfinite(sensor.range())) {
             for (int i = 0; i < items.length; i++) {
                 add(sensor, eye, i, shown);
             }
-            return gathered();
+            return;
         }
         lookAround(sensor, rows[eye]);
         boolean itself = false;
@@ -220,11 +246,6 @@ final class Observatory {
         if (!itself) {
             gather(seen[eye]);
         }
-        return gathered();
-    }
-
-    private List<Seen> gathered() {
-        return Collections.unmodifiableList(Arrays.asList(Arrays.copyOf(gathered, gatheredCount)));
     }
 
     private void gather(Seen item) {

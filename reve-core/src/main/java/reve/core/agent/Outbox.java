@@ -7,30 +7,33 @@ import org.jspecify.annotations.Nullable;
 
 /**
  * What waits to be written to one client. Messages keep their order and are bounded; of perceptions only the
- * newest waits. Filled from any thread, emptied by the event loop.
+ * newest waits, and what is different in it from the one before is worked out when it is written. Filled from any thread, emptied by the event loop.
  */
 final class Outbox {
 
-    private static final byte[] NOTHING = {};
+    /** What is written next. */
+    sealed interface Waiting {}
 
-    /** One line in two parts, so that everybody shares the long one. */
-    record Line(byte[] head, byte[] tail) {
+    /** A message as it goes over the wire. */
+    record Message(byte[] bytes) implements Waiting {}
 
-        int bytes() {
-            return head.length + tail.length;
-        }
-    }
+    /**
+     * What is perceived, encoded only when it is written.
+     *
+     * @param before what the client was handed last, to which the difference is told; null for all
+     */
+    record Perception(long id, View view, @Nullable View before) implements Waiting {}
 
     private final int maxMessages;
     private final int maxBytes;
     private final Runnable filled;
     /** What a returning client has missed; it may be more than may pile up. */
-    private final Deque<Line> missed = new ArrayDeque<>();
-    private final Deque<Line> messages = new ArrayDeque<>();
+    private final Deque<Message> missed = new ArrayDeque<>();
+    private final Deque<Waiting> messages = new ArrayDeque<>();
     private int bytes;
-    private @Nullable Line answer;
-    private @Nullable Line latest;
-    private @Nullable View latestView;
+    private @Nullable Perception answer;
+    private @Nullable View latest;
+    private long latestId;
     private @Nullable View told;
     private boolean finished;
 
@@ -44,7 +47,7 @@ final class Outbox {
     /** What a client is told first that goes on with its session. Nothing of it is left out. */
     synchronized void begin(List<byte[]> lines) {
         if (!finished) {
-            lines.forEach(line -> missed.addLast(new Line(line, NOTHING)));
+            lines.forEach(line -> missed.addLast(new Message(line)));
             filled.run();
         }
     }
@@ -57,46 +60,30 @@ final class Outbox {
         if (messages.size() >= maxMessages || bytes + line.length > maxBytes) {
             return false;
         }
-        add(new Line(line, NOTHING));
+        add(line);
         return true;
     }
 
     /** Adds the perception that was asked for once; the one before has been written. */
-    synchronized void offerAnswer(Line perception) {
+    synchronized void offerAnswer(long id, View view) {
         if (!finished) {
-            answer = perception;
+            answer = new Perception(id, view, null);
             filled.run();
         }
     }
 
-    /** What the last perception of the stream that the client was handed showed; null before the first. */
-    synchronized @Nullable View told() {
-        return told;
-    }
-
-    /**
-     * Puts the newest perception in the place of one that nobody has read.
-     *
-     * @param base what it tells the difference to, null if it tells all
-     * @return false if the client was handed another one meanwhile
-     */
-    synchronized boolean offerLatest(Line perception, View view, @Nullable View base) {
-        if (finished) {
-            return true;
+    /** Puts the newest perception of the stream in the place of one that nobody has read. */
+    synchronized void offerLatest(long id, View view) {
+        if (!finished) {
+            latest = view;
+            latestId = id;
+            filled.run();
         }
-        if (told != base) {
-            return false;
-        }
-        latest = perception;
-        latestView = view;
-        filled.run();
-        return true;
     }
 
     /** A new stream of perceptions begins. */
     synchronized void restart() {
         latest = null;
-        latestView = null;
         told = null;
     }
 
@@ -110,35 +97,30 @@ final class Outbox {
             finished = true;
             latest = null;
             if (answer != null) {
-                add(answer); // behind what happened until the frame that it shows
+                messages.addLast(answer); // behind what happened until the frame that it shows
                 answer = null;
             }
-            add(new Line(lastLine, NOTHING));
+            add(lastLine);
         }
     }
 
-    /** The next line to write, if it is no longer than that; else null. */
-    synchronized @Nullable Line poll(int maxLength) {
-        Line line = next();
-        if (line == null || line.bytes() > maxLength) {
-            return null;
-        }
+    /** Takes what is to be written next; null if nothing waits. */
+    synchronized @Nullable Waiting poll() {
         if (!missed.isEmpty()) {
-            missed.removeFirst();
-        } else if (!messages.isEmpty()) {
-            messages.removeFirst();
-            bytes -= line.bytes();
-        } else if (answer != null) {
-            answer = null;
-        } else {
-            latest = null;
-            told = latestView;
+            return missed.removeFirst();
         }
-        return line;
-    }
-
-    private @Nullable Line next() {
-        return !missed.isEmpty() ? missed.getFirst() : !messages.isEmpty() ? messages.getFirst() : answer != null ? answer : latest;
+        Waiting next = messages.pollFirst();
+        if (next instanceof Message message) {
+            bytes -= message.bytes.length;
+        } else if (next == null && answer != null) {
+            next = answer;
+            answer = null;
+        } else if (next == null && latest != null) {
+            next = new Perception(latestId, latest, told);
+            told = latest;
+            latest = null;
+        }
+        return next;
     }
 
     /** True when nothing waits, and nothing more will come. */
@@ -147,12 +129,12 @@ final class Outbox {
     }
 
     synchronized boolean isEmpty() {
-        return next() == null;
+        return missed.isEmpty() && messages.isEmpty() && answer == null && latest == null;
     }
 
-    private void add(Line line) {
-        messages.addLast(line);
-        bytes += line.bytes();
+    private void add(byte[] line) {
+        messages.addLast(new Message(line));
+        bytes += line.length;
         filled.run();
     }
 }

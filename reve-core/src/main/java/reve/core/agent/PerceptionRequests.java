@@ -3,7 +3,6 @@ package reve.core.agent;
 import java.util.Optional;
 import java.util.concurrent.atomic.LongAdder;
 import org.jspecify.annotations.Nullable;
-import reve.core.agent.Outbox.Line;
 
 /** What one agent has asked to perceive. Asked by its reader, served by the publisher. */
 final class PerceptionRequests {
@@ -82,14 +81,14 @@ final class PerceptionRequests {
     }
 
     /** Hands over what is due in a frame; false if the frame is gone. */
-    synchronized boolean serve(long frame, Views views, Encoding encoding, Telling telling) {
+    synchronized boolean serve(long frame, Views views) {
         if (frame >= notBefore && isOnceDue(frame)) {
             Optional<View> view = views.of(onceRelations);
             if (view.isEmpty()) {
                 return false;
             }
             served.increment();
-            outbox.offerAnswer(line(encoding, onceId, telling.whole(view.get(), encoding), telling));
+            outbox.offerAnswer(onceId, view.get());
             once = false;
         }
         if (frame >= notBefore && isEveryDue(frame)) {
@@ -98,26 +97,11 @@ final class PerceptionRequests {
                 return false;
             }
             served.increment();
-            update(view.get(), encoding, telling);
+            outbox.offerLatest(everyId, view.get());
             everyFrom = frame + every;
             told = frame;
         }
         return true;
-    }
-
-    /** Tells the difference to what the client was handed last, whenever that is. */
-    private void update(View view, Encoding encoding, Telling telling) {
-        View base;
-        Line line;
-        do {
-            base = outbox.told();
-            line = line(encoding, everyId,
-                    base == null ? telling.whole(view, encoding) : telling.since(base, view, encoding), telling);
-        } while (!outbox.offerLatest(line, view, base));
-    }
-
-    private static Line line(Encoding encoding, long id, View.Told told, Telling telling) {
-        return new Line(telling.head(encoding, id, told), told.bytes());
     }
 
     private boolean isOnceDue(long frame) {

@@ -98,6 +98,11 @@ final class Publisher {
 
     // ---- the event loop's thread ----
 
+    /** Writes what agents perceive. */
+    Telling telling() {
+        return telling;
+    }
+
     /** From now on the session is told what happens. */
     void admit(Session session) {
         members.put(session.name(), session);
@@ -228,7 +233,7 @@ final class Publisher {
             PerceptionRequests perceptions = member.perceptions();
             if (perceptions.isDue(everything.frame()) && !perceptions.serve(everything.frame(),
                     relations -> relations ? observatory.withRelations(look(member), snapshot)
-                            : Optional.of(look(member)), member.encoding(), telling)) {
+                            : Optional.of(look(member)))) {
                 return; // overwritten while we read: the next frame is here already
             }
         }

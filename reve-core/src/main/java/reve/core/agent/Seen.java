@@ -19,7 +19,7 @@ final class Seen {
     private final double @Nullable [] place;
     private final Shown shown;
     private final Map<String, List<String>> relations;
-    private final Fragment whole = new Fragment(this::writeWhole);
+    private @Nullable Fragment whole;
     private @Nullable Seen changedFrom;
     private @Nullable Fragment change;
 
@@ -70,7 +70,12 @@ final class Seen {
 
     /** All of it. */
     Fragment whole() {
-        return whole;
+        Fragment known = whole;
+        if (known == null) {
+            known = new Fragment(this::writeWhole);
+            whole = known;
+        }
+        return known;
     }
 
     /** Its name and what is different from what was told before. */

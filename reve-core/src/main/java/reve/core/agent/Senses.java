@@ -1,8 +1,6 @@
 package reve.core.agent;
 
-import java.util.ArrayList;
 import java.util.BitSet;
-import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -19,16 +17,18 @@ final class Senses {
 
     private final ItemId body;
     private final List<Sensor> sensors;
-    private final Map<String, Sample> samples = new HashMap<>();
+    /** By sensor; all there once the agent has looked. */
+    private final Sample[] samples;
     private View view = new View(0, 0, List.of());
 
     /** What a sensor last sensed. */
-    private record Sample(Sensor sensor, long frame, List<Seen> items) {}
+    private record Sample(long frame, List<Seen> items) {}
 
     /** @param sensors at least one */
     Senses(ItemId body, List<Sensor> sensors) {
         this.body = body;
         this.sensors = sensors;
+        this.samples = new Sample[sensors.size()];
     }
 
     ItemId body() {
@@ -46,23 +46,22 @@ final class Senses {
         if (all.frame() == view.frame()) {
             return view;
         }
-        var current = new ArrayList<Sample>(sensors.size());
-        for (Sensor sensor : sensors) {
-            Sample before = samples.get(sensor.name());
-            boolean due = before == null || all.frame() < before.frame
-                    || all.frame() - before.frame >= sensor.every();
-            Sample now = due ? new Sample(sensor, all.frame(), world.sense(sensor, body)) : before;
-            samples.put(sensor.name(), now);
-            current.add(now);
+        for (int i = 0; i < samples.length; i++) {
+            Sample before = samples[i];
+            Sensor sensor = sensors.get(i);
+            if (before == null || all.frame() < before.frame || all.frame() - before.frame >= sensor.every()) {
+                samples[i] = new Sample(all.frame(),
+                        world.sense(sensor, body, before == null ? List.of() : before.items));
+            }
         }
-        view = new View(all.frame(), all.time(), merge(current));
+        view = new View(all.frame(), all.time(), merge(samples));
         return view;
     }
 
     /** Of an item that several sensors sense, the newest is shown, with what all of them show. */
-    private static List<Seen> merge(List<Sample> samples) {
-        if (samples.size() == 1) {
-            return samples.getFirst().items;
+    private static List<Seen> merge(Sample[] samples) {
+        if (samples.length == 1) {
+            return samples[0].items;
         }
         var newest = new TreeMap<ItemId, Sample>();
         var merged = new TreeMap<ItemId, Seen>();

@@ -49,16 +49,20 @@ sealed interface ServerMessage {
 
     /** The message as it goes over the wire. */
     default byte[] in(Encoding encoding) {
+        var out = new Bytes();
         Map<String, Object> fields = fields();
-        return encoding.frame(encoding.value(writer -> writer.value(fields)));
+        MessageWriter writer = encoding.begin(out, type(), id(), fields.size());
+        fields.forEach((name, value) -> {
+            writer.key(name);
+            writer.value(value);
+        });
+        encoding.end(out, 0);
+        return out.toArray();
     }
 
+    /** What it says beside its type and id. */
     private Map<String, Object> fields() {
         var fields = new LinkedHashMap<String, Object>();
-        fields.put("t", type());
-        if (id() != ClientMessage.NO_ID) {
-            fields.put("id", id());
-        }
         switch (this) {
             case Welcome welcome -> putWelcome(welcome, fields);
             case Accepted accepted -> {

@@ -1,6 +1,5 @@
 package reve.core.agent;
 
-import java.nio.ByteBuffer;
 import java.util.List;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.ExecutionException;
@@ -51,11 +50,9 @@ final class Studies {
             now.image.foresee(fork.frames(), snapshot -> {
                 var observatory = new Observatory();
                 observatory.read(snapshot);
-                var scratch = new Bytes();
-                View.Told told = observatory.everything().whole(session.encoding(), scratch);
-                byte[] head = session.encoding().head(scratch, "perception", fork.id(), told.fields(),
-                        told.bytes().length);
-                line.set(ByteBuffer.allocate(head.length + told.bytes().length).put(head).put(told.bytes()).array());
+                var out = new Bytes();
+                new Telling().write(out, session.encoding(), fork.id(), observatory.everything(), null);
+                line.set(out.toArray());
             });
             if (!session.answer(fork, line.get())) {
                 throw new ActionRefused("fork-refused", "what would be perceived takes " + line.get().length

@@ -2,39 +2,86 @@ package reve.core.agent;
 
 import java.util.EnumMap;
 import java.util.IdentityHashMap;
+import java.util.List;
 import java.util.Map;
 import org.jspecify.annotations.Nullable;
 
-/** Encodes what agents are told of a frame; what several are told alike is encoded once. The event loop's thread. */
+/** Writes perceptions; what several agents are told alike of a frame is encoded once. One thread. */
 final class Telling {
 
-    private final Map<View, Map<Encoding, View.Told>> since = new IdentityHashMap<>();
-    private final Bytes scratch = new Bytes();
+    private final Difference difference = new Difference();
+    private final Map<View, Map<Encoding, Fields>> told = new IdentityHashMap<>();
     private @Nullable View shared;
+
+    /** The fields of a perception behind its {@code t} and {@code id}. */
+    private record Fields(int count, byte[] bytes) {}
 
     /** A frame begins. @param everything what all agents without sensors perceive */
     void begin(View everything) {
-        since.clear();
+        told.clear();
         shared = everything;
     }
 
-    View.Told whole(View view, Encoding encoding) {
-        return view == shared ? of(view).computeIfAbsent(encoding, e -> view.whole(e, scratch))
-                : view.whole(encoding, scratch);
-    }
-
-    View.Told since(View before, View now, Encoding encoding) {
-        return now == shared ? of(before).computeIfAbsent(encoding, e -> now.since(before, e, scratch))
-                : now.since(before, encoding, scratch);
-    }
-
-    /** The beginning of a perception. */
-    byte[] head(Encoding encoding, long id, View.Told told) {
-        return encoding.head(scratch, "perception", id, told.fields(), told.bytes().length);
+    /**
+     * Appends a perception as it goes over the wire.
+     *
+     * @param before what its reader was told last, if this is to tell the difference
+     */
+    void write(Bytes out, Encoding encoding, long id, View view, @Nullable View before) {
+        int start = out.size();
+        if (view == shared) {
+            Fields fields = sharedFields(encoding, view, before);
+            encoding.begin(out, "perception", id, fields.count);
+            out.put(fields.bytes);
+        } else if (before == null) {
+            writeWhole(encoding.begin(out, "perception", id, 3), view);
+        } else {
+            difference.find(before.items(), view.items());
+            writeDifference(encoding.begin(out, "perception", id, 3 + difference.lists()), view, before);
+        }
+        encoding.end(out, start);
     }
 
     /** The whole of the shared view is kept under the view itself, a difference under what it is to. */
-    private Map<Encoding, View.Told> of(View view) {
-        return since.computeIfAbsent(view, unknown -> new EnumMap<>(Encoding.class));
+    private Fields sharedFields(Encoding encoding, View view, @Nullable View before) {
+        return told.computeIfAbsent(before == null ? view : before, unknown -> new EnumMap<>(Encoding.class))
+                .computeIfAbsent(encoding, unknown -> fields(encoding, view, before));
+    }
+
+    private Fields fields(Encoding encoding, View view, @Nullable View before) {
+        var out = new Bytes();
+        MessageWriter writer = encoding.fields(out);
+        if (before == null) {
+            writeWhole(writer, view);
+            return new Fields(3, out.toArray());
+        }
+        difference.find(before.items(), view.items());
+        writeDifference(writer, view, before);
+        return new Fields(3 + difference.lists(), out.toArray());
+    }
+
+    private static void writeWhole(MessageWriter writer, View view) {
+        writeTime(writer, view);
+        writer.key("items");
+        List<Seen> items = view.items();
+        writer.beginList(items.size());
+        for (int i = 0; i < items.size(); i++) {
+            writer.fragment(items.get(i).whole());
+        }
+        writer.endList();
+    }
+
+    private void writeDifference(MessageWriter writer, View view, View before) {
+        writeTime(writer, view);
+        writer.key("since");
+        writer.integer(before.frame());
+        difference.write(writer);
+    }
+
+    private static void writeTime(MessageWriter writer, View view) {
+        writer.key("frame");
+        writer.integer(view.frame());
+        writer.key("time");
+        writer.number(view.time());
     }
 }

@@ -52,7 +52,8 @@ class EncodingTest {
 
         Packed say(String json) throws IOException {
             JsonNode message = TestClient.json(json);
-            out.write(Encoding.MESSAGEPACK.frame(Encoding.MESSAGEPACK.value(writer -> write(writer, message))));
+            byte[] packed = Encoding.MESSAGEPACK.value(writer -> write(writer, message));
+            out.write(ByteBuffer.allocate(4 + packed.length).putInt(packed.length).put(packed).array());
             return this;
         }
 

@@ -40,9 +40,9 @@ class ObservatoryTest {
                 assertThat(observatory.read(snapshot)).isTrue();
                 View view = relations ? observatory.withRelations(observatory.everything(), snapshot).orElseThrow()
                         : observatory.everything();
-                byte[] fields = view.whole(Encoding.JSON, new Bytes()).bytes();
-                return Json.MAPPER.readTree("{" + new String(fields, StandardCharsets.UTF_8))
-                        .get("items");
+                var out = new Bytes();
+                new Telling().write(out, Encoding.JSON, ClientMessage.NO_ID, view, null);
+                return Json.MAPPER.readTree(new String(out.toArray(), StandardCharsets.UTF_8)).get("items");
             }
         }
     }

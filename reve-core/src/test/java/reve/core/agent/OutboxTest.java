@@ -14,10 +14,10 @@ class OutboxTest {
 
     @Test
     void whatHappenedComesBeforeThePerceptionsThatShowIt() {
-        outbox.offerLatest(perception("latest"), view(1), null);
-        outbox.offerAnswer(perception("answer"));
+        outbox.offerLatest(2, view(20));
+        outbox.offerAnswer(1, view(10));
         outbox.offer(bytes("event"));
-        assertThat(List.of(take(), take(), take())).containsExactly("event", "answer", "latest");
+        assertThat(List.of(take(), take(), take())).containsExactly("event", "perception 1", "perception 2");
         assertThat(outbox.isEmpty()).isTrue();
     }
 
@@ -25,15 +25,15 @@ class OutboxTest {
     void whatHappenedComesBeforeThePerceptionAlsoWhenTheConnectionEnds() {
         outbox.offer(bytes("result"));
         outbox.offer(bytes("event"));
-        outbox.offerAnswer(perception("answer"));
-        outbox.offerLatest(perception("latest"), view(1), null);
+        outbox.offerAnswer(1, view(10));
+        outbox.offerLatest(2, view(20));
         outbox.finish(bytes("bye"));
         outbox.offer(bytes("too late"));
         var told = new ArrayList<String>();
         for (String line = take(); line != null; line = take()) {
             told.add(line);
         }
-        assertThat(told).containsExactly("result", "event", "answer", "bye");
+        assertThat(told).containsExactly("result", "event", "perception 1", "bye");
     }
 
     @Test
@@ -42,24 +42,25 @@ class OutboxTest {
             assertThat(outbox.offer(new byte[50])).isTrue();
             assertThat(outbox.offer(new byte[50])).isTrue();
             assertThat(outbox.offer(new byte[0])).as("a third message").isFalse();
-            outbox.poll(Integer.MAX_VALUE);
+            outbox.poll();
             assertThat(outbox.offer(new byte[51])).as("101 bytes").isFalse();
-            outbox.poll(Integer.MAX_VALUE);
+            outbox.poll();
         }
     }
 
     @Test
-    void aDifferenceIsTakenOnlyToWhatTheClientWasHandedLast() {
-        View first = view(1);
-        assertThat(outbox.offerLatest(perception("first"), first, null)).isTrue();
-        assertThat(outbox.offerLatest(perception("second"), view(2), null)).as("nobody has read the first").isTrue();
-        take();
-        assertThat(outbox.told()).isEqualTo(view(2));
-        assertThat(outbox.offerLatest(perception("third"), view(3), first)).isFalse();
-        assertThat(outbox.offerLatest(perception("third"), view(3), outbox.told())).isTrue();
+    void aDifferenceIsToWhatTheClientWasHandedLastHoweverManyItMissed() {
+        outbox.offerLatest(1, view(1));
+        outbox.offerLatest(1, view(2));
+        assertThat(outbox.poll()).as("nobody has read the first").isEqualTo(new Outbox.Perception(1, view(2), null));
+        outbox.offerLatest(1, view(3));
+        outbox.offerLatest(1, view(4));
+        assertThat(outbox.poll()).isEqualTo(new Outbox.Perception(1, view(4), view(2)));
+        outbox.offerLatest(1, view(5));
         outbox.restart();
         assertThat(outbox.isEmpty()).isTrue();
-        assertThat(outbox.told()).isNull();
+        outbox.offerLatest(7, view(6));
+        assertThat(outbox.poll()).isEqualTo(new Outbox.Perception(7, view(6), null));
     }
 
     private static View view(long frame) {
@@ -67,19 +68,14 @@ class OutboxTest {
     }
 
     private String take() {
-        Outbox.Line line = outbox.poll(Integer.MAX_VALUE);
-        return line == null ? null : text(line.head()) + text(line.tail());
-    }
-
-    private static Outbox.Line perception(String text) {
-        return new Outbox.Line(bytes(text.substring(0, 3)), bytes(text.substring(3)));
+        return switch (outbox.poll()) {
+            case Outbox.Message message -> new String(message.bytes(), StandardCharsets.UTF_8);
+            case Outbox.Perception perception -> "perception " + perception.id();
+            case null -> null;
+        };
     }
 
     private static byte[] bytes(String text) {
         return text.getBytes(StandardCharsets.UTF_8);
-    }
-
-    private static String text(byte[] bytes) {
-        return new String(bytes, StandardCharsets.UTF_8);
     }
 }
