@@ -17,7 +17,6 @@ import org.jspecify.annotations.Nullable;
 import org.pcollections.PMap;
 import org.pcollections.TreePMap;
 import reve.core.space.Box;
-import reve.core.space.BoxIndex;
 import reve.core.space.Found;
 import reve.core.world.ItemId;
 import reve.core.world.ItemSymbols;
@@ -55,11 +54,10 @@ final class Observatory {
 
     // By row.
     private long[] ids = {};
-    private long[] places = {};
-    private boolean indexed;
+    private int[] places = {};
     private Seen[] gathered = {};
     private int gatheredCount;
-    private final BoxIndex index = new BoxIndex();
+    private int[] around = {};
 
     /** Reads a frame. @return false if the snapshot was lost meanwhile; then nothing here is to be used */
     boolean read(WorldSnapshot snapshot) {
@@ -73,7 +71,6 @@ final class Observatory {
                 findRows(table);
             }
             bodies.load(table);
-            indexed = false;
             readPlaces();
             everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
         } catch (RuntimeException e) {
@@ -123,7 +120,7 @@ final class Observatory {
     private void findRows(TableSnapshot table) {
         ids = table.ids().segment().toArray(ValueLayout.JAVA_LONG);
         rows = new int[items.length];
-        places = new long[ids.length];
+        places = new int[ids.length];
         for (int i = 0; i < items.length; i++) {
             rows[i] = table.rowOf(items[i].source().id());
             if (rows[i] != NO_ROW) {
@@ -235,7 +232,7 @@ final class Observatory {
         lookAround(sensor, rows[eye]);
         boolean itself = false;
         for (int k = 0; k < found.size(); k++) {
-            int i = (int) found.key(k);
+            int i = around[k];
             if (i > eye && !itself) {
                 gather(seen[eye]);
                 itself = true;
@@ -268,13 +265,16 @@ final class Observatory {
         }
     }
 
-    /** Finds all that a sensor of limited range can sense, and perhaps more. */
+    /** Finds all that a sensor of limited range can sense, and perhaps more, in the order of ids. */
     private void lookAround(Sensor sensor, int eye) {
-        if (!indexed) {
-            bodies.buildIndex(index, MemorySegment.ofArray(places));
-            indexed = true;
+        bodies.find(eye, sensor, WIDER * sensor.range(), found);
+        if (around.length < found.size()) {
+            around = new int[Math.max(found.size(), 2 * around.length)];
         }
-        bodies.find(index, eye, sensor, WIDER * sensor.range(), found);
+        for (int k = 0; k < found.size(); k++) {
+            around[k] = places[(int) found.key(k)];
+        }
+        Arrays.sort(around, 0, found.size());
     }
 
     /** Whether any of a body's sensors senses an item now. */

@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import java.util.stream.LongStream;
 import reve.core.space.Box;
 import reve.core.space.BoxIndex;
 import reve.core.space.Found;
@@ -32,8 +33,15 @@ final class SensedWorld {
     private double[] high = {};
     private int[] shape = {};
 
+    /** Boxes by row, as far as somebody has asked since they were loaded. */
+    private final BoxIndex index = new BoxIndex();
+    private boolean indexed;
+    private long[] keys = {};
+
     // The point and line of sight that are being looked at.
+    private final double[] eye = new double[3];
     private final double[] point = new double[3];
+    private final Found between = new Found();
 
     /** Takes the bodies as they are now. */
     void load(TableView bodies) {
@@ -54,6 +62,15 @@ final class SensedWorld {
             low = new double[3 * capacity];
             high = new double[3 * capacity];
             shape = new int[capacity];
+            keys = LongStream.range(0, capacity).toArray();
+        }
+        indexed = false;
+    }
+
+    private void buildIndex() {
+        if (!indexed) {
+            index.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(low), MemorySegment.ofArray(high), rows);
+            indexed = true;
         }
     }
 
@@ -124,13 +141,9 @@ final class SensedWorld {
         }
     }
 
-    /** Takes the boxes of all bodies into an index. @param keys of the rows, as longs */
-    void buildIndex(BoxIndex index, MemorySegment keys) {
-        index.build(keys, MemorySegment.ofArray(low), MemorySegment.ofArray(high), rows);
-    }
-
-    /** Finds the keys of all boxes that a sensor could reach with that range, seen from the body in a row. */
-    void find(BoxIndex index, int body, Sensor sensor, double range, Found found) {
+    /** Finds the rows of all boxes that a sensor could reach with that range, seen from the body in a row. */
+    void find(int body, Sensor sensor, double range, Found found) {
+        buildIndex();
         int at = 3 * body;
         if (sensor.touch()) {
             index.inBox(new Box(low[at] - range, low[at + 1] - range, low[at + 2] - range, high[at] + range,
@@ -210,7 +223,11 @@ final class SensedWorld {
     }
 
     private boolean isHidden(int body, int row) {
-        for (int other = 0; other < rows; other++) {
+        buildIndex();
+        System.arraycopy(position, 3 * body, eye, 0, 3);
+        index.onLine(eye, point, between);
+        for (int i = 0; i < between.size(); i++) {
+            int other = (int) between.key(i);
             if (other != body && other != row && shape[other] != Shape.NONE && isBetween(body, other)) {
                 return true;
             }

@@ -95,6 +95,51 @@ public final class BoxIndex {
     }
 
     /**
+     * Finds the keys of all boxes that the line between two points meets or touches, in rising
+     * order.
+     *
+     * @param from one end (3) of it
+     * @param to the other end (3)
+     */
+    public void onLine(double[] from, double[] to, Found found) {
+        found.clear();
+        int depth = pushTop();
+        while (depth > 0) {
+            int node = stack[--depth];
+            if (isOnLine(node, from, to)) {
+                depth = enter(node, depth, found);
+            }
+        }
+        found.sort();
+    }
+
+    /**
+     * Whether the stretches of the line within the three pairs of a node's faces have a part in
+     * common (slab method). As rounding is monotonic, a node around a box is met if the box is.
+     */
+    private boolean isOnLine(int node, double[] from, double[] to) {
+        int at = SIDES * node;
+        double enter = 0;
+        double leave = 1;
+        for (int axis = 0; axis < AXES; axis++) {
+            double way = to[axis] - from[axis];
+            double low = sides[at + axis];
+            double high = sides[at + AXES + axis];
+            if (way == 0) {
+                if (from[axis] < low || from[axis] > high) {
+                    return false;
+                }
+            } else {
+                double a = (low - from[axis]) / way;
+                double b = (high - from[axis]) / way;
+                enter = Math.max(enter, Math.min(a, b));
+                leave = Math.min(leave, Math.max(a, b));
+            }
+        }
+        return enter <= leave;
+    }
+
+    /**
      * Finds the keys of the boxes nearest to a point: in the order of the distance from the point
      * to the box, 0 within it, and of the keys for equal ones.
      *

@@ -82,6 +82,8 @@ class BoxIndexTest {
         scatter(MOST);
         var threads = (ThreadMXBean) ManagementFactory.getThreadMXBean();
         Box box = Box.around(50, 50, 50, 10);
+        double[] from = {50, 50, 0};
+        double[] to = {55, 55, 20};
         long bytes = 0;
         for (int round = 0; round < 40; round++) {
             scatter(MOST);
@@ -90,6 +92,7 @@ class BoxIndexTest {
             index.inBox(box, found);
             index.inSphere(50, 50, 50, 20, found);
             index.nearest(50, 50, 50, 20, found);
+            index.onLine(from, to, found);
             bytes = threads.getCurrentThreadAllocatedBytes() - before;
         }
         assertThat(bytes).as("bytes in the last round").isZero();
@@ -143,9 +146,32 @@ class BoxIndexTest {
         index.inSphere(x, y, z, size, found);
         assertThat(keys()).as("sphere, " + when)
                 .isEqualTo(where(row -> squaredDistance(row, x, y, z) <= size * size));
+        double[] from = {x, y, z};
+        double[] to = {random.nextDouble() * 100, random.nextBoolean() ? y : size, random.nextInt(20)};
+        index.onLine(from, to, found);
+        assertThat(keys()).as("line, " + when).isEqualTo(where(row -> meetsLine(row, from, to)));
         int most = random.nextInt(20);
         index.nearest(x, y, z, most, found);
         assertThat(keys()).as("nearest %d, %s", most, when).isEqualTo(nearest(x, y, z, most));
+    }
+
+    /** The line, cut off at one face of the box after the other. */
+    private boolean meetsLine(int row, double[] from, double[] to) {
+        double begin = 0;
+        double end = 1;
+        for (int axis = 0; axis < 3; axis++) {
+            double way = to[axis] - from[axis];
+            if (way == 0 && (from[axis] < low(3 * row + axis) || from[axis] > high(3 * row + axis))) {
+                return false;
+            }
+            if (way != 0) {
+                double enters = ((way > 0 ? low(3 * row + axis) : high(3 * row + axis)) - from[axis]) / way;
+                double leaves = ((way > 0 ? high(3 * row + axis) : low(3 * row + axis)) - from[axis]) / way;
+                begin = Math.max(begin, enters);
+                end = Math.min(end, leaves);
+            }
+        }
+        return begin <= end;
     }
 
     private List<Long> nearest(double x, double y, double z, int most) {
