@@ -24,6 +24,7 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
 
     private final PrintWriter out;
     private final boolean json;
+    private final Printed printed;
     private final Queue<Event> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger waiting = new AtomicInteger();
     private final AtomicLong dropped = new AtomicLong();
@@ -31,15 +32,24 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
 
     private record Event(String name, Map<String, Object> fields) {}
 
-    EventPrinter(PrintWriter out, boolean json) {
+    EventPrinter(PrintWriter out, boolean json, Printed printed) {
         this.out = out;
         this.json = json;
+        this.printed = printed;
         printer.setDaemon(true);
         printer.start();
     }
 
     @Override
+    public boolean wants(String event) {
+        return printed.includes(event);
+    }
+
+    @Override
     public void happened(String event, Map<String, Object> fields) {
+        if (!wants(event)) {
+            return;
+        }
         if (waiting.incrementAndGet() > CAPACITY) {
             waiting.decrementAndGet();
             dropped.incrementAndGet();

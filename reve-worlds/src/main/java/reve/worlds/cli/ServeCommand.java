@@ -10,6 +10,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
+import picocli.CommandLine.ArgGroup;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
@@ -99,12 +100,30 @@ public final class ServeCommand implements Callable<Integer> {
     @Option(names = "--json", description = "Report events as one JSON object per line on standard output.")
     private boolean json;
 
+    @ArgGroup
+    private PrintedOptions printed = new PrintedOptions();
+
+    /** At most one of them. */
+    static final class PrintedOptions {
+        @Option(names = "--quiet", description = "Print only that worlds are ready, faults, and the end.")
+        private boolean quiet;
+
+        @Option(names = "--actions",
+                description = "Print each action of agents, too, and the events that actions raise.")
+        private boolean actions;
+
+        Printed printed() {
+            return quiet ? Printed.LITTLE : actions ? Printed.ACTIONS : Printed.NORMAL;
+        }
+    }
+
     @Override
     public Integer call() throws Exception {
         AgentServerConfig agents = agents();
         requireStoreEvery();
         List<WorldPlan> plans = plans();
-        try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json)) {
+        try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json,
+                printed.printed())) {
             WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
                     agents, laws, events);
             try (Interrupt _ = new Interrupt(server::stop)) {

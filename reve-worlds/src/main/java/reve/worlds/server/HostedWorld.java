@@ -156,6 +156,9 @@ final class HostedWorld implements AutoCloseable {
 
     private void tellEvents(FrameEvent frame) {
         for (WorldEvent event : frame.world().events()) {
+            if (!events.wants(event.type())) {
+                continue;
+            }
             Map<String, Object> fields = new LinkedHashMap<>();
             fields.put("frame", event.frame());
             fields.put("time", frame.timeSeconds());

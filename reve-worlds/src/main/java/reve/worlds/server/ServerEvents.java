@@ -10,4 +10,9 @@ public interface ServerEvents {
      * @param fields text, numbers, truth, or lists of these, by name, in order; not changed after
      */
     void happened(String event, Map<String, Object> fields);
+
+    /** Whether {@link #happened} is to be told of world events of a type; any thread. */
+    default boolean wants(String event) {
+        return true;
+    }
 }

@@ -51,11 +51,19 @@ public final class WorldServer implements AutoCloseable {
 
     /** Says of which world each event is. */
     private ServerEvents eventsOf(String world) {
-        return (event, fields) -> {
-            Map<String, Object> all = new LinkedHashMap<>();
-            all.put("world", world);
-            all.putAll(fields);
-            events.happened(event, all);
+        return new ServerEvents() {
+            @Override
+            public void happened(String event, Map<String, Object> fields) {
+                Map<String, Object> all = new LinkedHashMap<>();
+                all.put("world", world);
+                all.putAll(fields);
+                events.happened(event, all);
+            }
+
+            @Override
+            public boolean wants(String event) {
+                return events.wants(event);
+            }
         };
     }
 

@@ -1,0 +1,33 @@
+package reve.worlds.cli;
+
+import java.util.Set;
+
+/** Which events of a server are printed. */
+enum Printed {
+    /** That the worlds are ready, what went wrong, and the end. */
+    LITTLE {
+        @Override
+        boolean includes(String event) {
+            return event.equals("ready") || event.equals("fault") || event.equals("snapshot-failed");
+        }
+    },
+    /** What happens now and then: nothing that agents bring about in every frame. */
+    NORMAL {
+        @Override
+        boolean includes(String event) {
+            return LITTLE.includes(event) || NOW_AND_THEN.contains(event);
+        }
+    },
+    /** Each action, too, and what actions raise. */
+    ACTIONS {
+        @Override
+        boolean includes(String event) {
+            return true;
+        }
+    };
+
+    private static final Set<String> NOW_AND_THEN = Set.of("joined", "left", "late", "law-loaded",
+            "law-unloaded", "snapshot", "saved", "rewound");
+
+    abstract boolean includes(String event);
+}
