@@ -314,7 +314,10 @@ final class Changes {
     /** So many finite numbers. */
     private double[] numbers(Operand operand, int count, Unit unit) throws ActionRefused {
         double[] numbers = operand.numbers(call, count, unit);
-        boolean finite = Arrays.stream(numbers).allMatch(Double::isFinite);
+        boolean finite = true;
+        for (double number : numbers) {
+            finite &= Double.isFinite(number);
+        }
         if (numbers.length != count || !finite) {
             throw new ActionRefused("no-value", "found " + Arrays.toString(numbers) + ", expected "
                     + count + " finite " + (count == 1 ? "number" : "numbers"));

@@ -49,9 +49,18 @@ public final class Members {
      * @param name what it was called when the agent came
      * @param made true if the item exists for this agent only and goes with it
      * @param sensors what the agent perceives with; none for everything
+     * @param ofActions those of them that perceive actions
+     * @param needsSight true if one of them needs a line of sight
      * @param rights of the agent
      */
-    private record Body(ItemId id, String name, boolean made, List<Sensor> sensors, Rights rights) {
+    private record Body(ItemId id, String name, boolean made, List<Sensor> sensors, List<Sensor> ofActions,
+            boolean needsSight, Rights rights) {
+
+        Body(ItemId id, String name, boolean made, List<Sensor> sensors, Rights rights) {
+            this(id, name, made, sensors,
+                    sensors.stream().filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS)).toList(),
+                    sensors.stream().anyMatch(Sensor::lineOfSight), rights);
+        }
 
         Optional<Item> in(World world) {
             return world.find(id);
@@ -59,7 +68,9 @@ public final class Members {
 
         /** Those of the item that the agent may use. */
         List<String> capabilities(Item item) {
-            return item.access().capabilities().stream().filter(rights::opensCapability).toList();
+            List<String> all = item.access().capabilities();
+            return rights.capabilities().isEmpty() ? all
+                    : all.stream().filter(rights::opensCapability).toList();
         }
     }
 
@@ -235,9 +246,7 @@ public final class Members {
     }
 
     private boolean sensesActions(World world, Body body, Item item) {
-        List<Sensor> sensors = body.sensors.stream()
-                .filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS)).toList();
-        return sensors.size() == body.sensors.size() || senses(world, body, sensors, item.id());
+        return body.ofActions.size() == body.sensors.size() || senses(world, body, body.ofActions, item.id());
     }
 
     private boolean senses(World world, Body body, List<Sensor> sensors, ItemId item) {
@@ -245,14 +254,21 @@ public final class Members {
         int eye = bodies.rowOf(body.id());
         int row = bodies.rowOf(item);
         if (eye >= 0 && row >= 0) {
-            if (sensors.stream().anyMatch(Sensor::lineOfSight)) {
+            if (body.needsSight) {
                 sensed.load(bodies);
             } else {
                 sensed.load(bodies, eye, row);
             }
         }
-        return item.equals(body.id()) || sensors.stream().anyMatch(sensor -> sensor.isUnlimited()
-                || eye >= 0 && row >= 0 && sensed.senses(sensor, eye, row));
+        if (item.equals(body.id())) {
+            return true;
+        }
+        for (Sensor sensor : sensors) {
+            if (sensor.isUnlimited() || eye >= 0 && row >= 0 && sensed.senses(sensor, eye, row)) {
+                return true;
+            }
+        }
+        return false;
     }
 
     private static ActionRefused noSuchAction(Item item, String wanted) {

@@ -3,7 +3,7 @@ package reve.core.agent;
 import java.io.IOException;
 import java.math.BigInteger;
 import java.nio.ByteBuffer;
-import java.nio.charset.CodingErrorAction;
+import org.msgpack.core.MessageFormat;
 import org.msgpack.core.MessagePack;
 import org.msgpack.core.MessagePackException;
 import org.msgpack.core.MessageUnpacker;
@@ -17,9 +17,7 @@ import tools.jackson.databind.node.ObjectNode;
 final class MessagePackReader {
 
     private static final JsonNodeFactory NODES = JsonNodeFactory.instance;
-    private static final MessagePack.UnpackerConfig CONFIG = new MessagePack.UnpackerConfig()
-            .withActionOnMalformedString(CodingErrorAction.REPORT)
-            .withActionOnUnmappableString(CodingErrorAction.REPORT);
+    private static final MessagePack.UnpackerConfig CONFIG = new MessagePack.UnpackerConfig();
 
     private final MessageUnpacker unpacker;
     private final int bytes;
@@ -60,22 +58,36 @@ final class MessagePackReader {
     }
 
     private JsonNode value(int depth) throws IOException {
-        ValueType type = unpacker.getNextFormat().getValueType();
+        MessageFormat format = unpacker.getNextFormat();
+        ValueType type = format.getValueType();
         return switch (type) {
             case NIL -> {
                 unpacker.unpackNil();
                 yield NODES.nullNode();
             }
             case BOOLEAN -> NODES.booleanNode(unpacker.unpackBoolean());
-            case INTEGER -> integer(unpacker.unpackBigInteger());
+            case INTEGER -> format == MessageFormat.UINT64 ? integer(unpacker.unpackBigInteger())
+                    : NODES.numberNode(unpacker.unpackLong());
             case FLOAT -> NODES.numberNode(finite(unpacker.unpackDouble()));
-            case STRING -> NODES.stringNode(unpacker.unpackString());
+            case STRING -> NODES.stringNode(text());
             case ARRAY -> list(depth);
             case MAP -> map(depth);
-            case BINARY -> NODES.stringNode(binary.text(unpacker.readPayload(unpacker.unpackBinaryHeader())));
+            case BINARY -> NODES.stringNode(binary.text(payload(unpacker.unpackBinaryHeader())));
             case EXTENSION -> throw new IllegalArgumentException(
                     "a value of type " + type + ", expected what JSON has too");
         };
+    }
+
+    private String text() throws IOException {
+        byte[] utf8 = payload(unpacker.unpackRawStringHeader());
+        return Text.decode(utf8, 0, utf8.length);
+    }
+
+    private byte[] payload(int claimed) throws IOException {
+        if (claimed < 0 || claimed > bytes - unpacker.getTotalReadBytes()) {
+            throw new IllegalArgumentException(claimed + " bytes do not fit into " + bytes);
+        }
+        return unpacker.readPayload(claimed);
     }
 
     private static double finite(double number) {
@@ -103,7 +115,7 @@ final class MessagePackReader {
         int length = length(unpacker.unpackMapHeader(), depth);
         ObjectNode map = NODES.objectNode();
         for (int i = 0; i < length; i++) {
-            String key = unpacker.unpackString();
+            String key = text();
             if (map.has(key)) {
                 throw new IllegalArgumentException("the key " + Text.quote(key) + " is there twice");
             }

@@ -4,7 +4,6 @@ import static reve.core.agent.ClientMessage.NO_ID;
 
 import java.nio.ByteBuffer;
 import java.nio.charset.CharacterCodingException;
-import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
@@ -30,7 +29,10 @@ final class MessageReader {
 
     private MessageReader() {}
 
-    /** @throws BadMessage saying what is wrong, with the id of the message where it has a good one */
+    /**
+     * @param bytes in an array
+     * @throws BadMessage saying what is wrong, with the id of the message where it has a good one
+     */
     static ClientMessage read(ByteBuffer bytes, Encoding encoding) throws BadMessage {
         JsonNode message = encoding == Encoding.JSON ? parse(decode(bytes)) : unpack(bytes);
         if (!message.isObject()) {
@@ -50,7 +52,7 @@ final class MessageReader {
 
     private static String decode(ByteBuffer line) throws BadMessage {
         try {
-            return StandardCharsets.UTF_8.newDecoder().decode(line).toString();
+            return Text.decode(line.array(), line.arrayOffset() + line.position(), line.remaining());
         } catch (CharacterCodingException e) {
             throw new BadMessage(NO_ID, "bad-utf8", "the line is not UTF-8", EXAMPLE);
         }

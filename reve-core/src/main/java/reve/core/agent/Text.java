@@ -1,11 +1,26 @@
 package reve.core.agent;
 
+import java.nio.ByteBuffer;
+import java.nio.charset.CharacterCodingException;
+import java.nio.charset.StandardCharsets;
+
 /** Makes foreign text safe to show in messages and logs. */
 final class Text {
 
     private static final int SHOWN = 64;
 
+    private static final char REPLACEMENT = '\ufffd';
+
     private Text() {}
+
+    /** @throws CharacterCodingException if the bytes are no UTF-8 */
+    static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
+        String text = new String(utf8, start, length, StandardCharsets.UTF_8);
+        if (text.indexOf(REPLACEMENT) >= 0) { // somebody wrote it, or it stands for what is no UTF-8
+            StandardCharsets.UTF_8.newDecoder().decode(ByteBuffer.wrap(utf8, start, length));
+        }
+        return text;
+    }
 
     /** In quotes, at most 64 characters of it, everything that is not plainly visible escaped. */
     static String quote(String text) {

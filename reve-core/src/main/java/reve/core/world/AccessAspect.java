@@ -26,7 +26,12 @@ public final class AccessAspect {
     }
 
     public Optional<Action> find(String name) {
-        return actions().stream().filter(action -> action.name().equals(name)).findFirst();
+        for (Action action : actions()) {
+            if (action.name().equals(name)) {
+                return Optional.of(action);
+            }
+        }
+        return Optional.empty();
     }
 
     /** Adds an action, or replaces the one of that name. */
