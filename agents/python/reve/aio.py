@@ -260,13 +260,15 @@ class Client:
                 return False
             try:
                 self._wire, _ = await self._open(greeting)
-            except ReveError as error:
-                self._finish(error)
-                return False
-            except OSError:
+            except (ReveError, OSError) as error:
+                if isinstance(error, ReveError) and error.code != "lost":
+                    self._finish(error)
+                    return False
                 await asyncio.sleep(_RETRY_SECONDS)
                 continue
-            self._send(self._talk.gone_on())
+            self._send(
+                self._talk.gone_on() if self._talk.end is None else self._talk.encode(protocol.bye())
+            )
             return True
         return False
 

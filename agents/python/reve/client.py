@@ -277,17 +277,17 @@ class Client:
                 return False
             try:
                 connection, stream, _ = self._open(greeting)
-            except ReveError as error:
-                self._finish(error)
-                return False
-            except OSError:
+            except (ReveError, OSError) as error:
+                if isinstance(error, ReveError) and error.code != "lost":
+                    self._finish(error)
+                    return False
                 with self._changed:
                     self._changed.wait_for(lambda: self._talk.end is not None, _RETRY_SECONDS)
                 continue
             with self._sending:
                 self._socket, self._stream = connection, stream
                 with self._changed:
-                    lines = self._talk.gone_on()
+                    lines = self._talk.gone_on() if self._talk.end is None else self._talk.encode(protocol.bye())
                 self._send(lines)
             return True
         return False

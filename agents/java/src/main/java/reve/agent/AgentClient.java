@@ -1,37 +1,25 @@
 package reve.agent;
 
-import java.io.BufferedInputStream;
-import java.io.ByteArrayOutputStream;
-import java.io.DataInputStream;
+import java.io.EOFException;
 import java.io.IOException;
-import java.io.OutputStream;
 import java.net.InetSocketAddress;
-import java.net.Socket;
-import java.net.SocketTimeoutException;
-import java.nio.charset.StandardCharsets;
 import java.time.Duration;
-import java.util.ArrayDeque;
-import java.util.ArrayList;
-import java.util.Arrays;
-import java.util.Deque;
-import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
-import java.util.Objects;
 import java.util.Optional;
-import java.util.OptionalLong;
 import java.util.concurrent.TimeUnit;
 import java.util.function.BooleanSupplier;
-import javax.net.ssl.SSLContext;
-import javax.net.ssl.SSLException;
-import javax.net.ssl.SSLParameters;
-import javax.net.ssl.SSLSocket;
+import java.util.function.LongFunction;
+import java.util.function.Supplier;
 import org.jspecify.annotations.Nullable;
 import tools.jackson.databind.node.ObjectNode;
 
 /**
  * An agent in a world. Calls block until the server has answered; a thread of the client's own reads, so that the
  * server's pings are answered while the agent thinks. Methods may be called from any thread.
+ *
+ * <p>With {@link Join#withGrace} the client goes on by itself over another connection when one breaks: whoever waits
+ * for an answer gets it, and no action is done twice.
  *
  * <p>Every call throws {@link DisconnectedException} once the connection has ended, and {@link AgentException} with
  * code {@code no-answer} if the server is silent for longer than the patience.
@@ -41,29 +29,20 @@ public final class AgentClient implements AutoCloseable {
     /** How many events wait for {@link #events()}; older ones are forgotten. */
     public static final int MAX_EVENTS = 1024;
 
-    private static final long NO_FRAME = -1;
+    private static final Duration RETRY = Duration.ofMillis(200);
 
-    private final Socket socket;
-    private final DataInputStream in;
-    private final Encoding encoding;
-    private final OutputStream out;
+    private final InetSocketAddress address;
     private final Duration patience;
     private final Welcome welcome;
     private final Thread reader;
+    /** Held while something is sent; taken before this. */
     private final Object sending = new Object();
 
+    /** Replaced by the reader, with {@link #sending} held. */
+    private volatile Wire wire;
+
     // Guarded by this.
-    private final Map<Long, Optional<ServerMessage>> answers = new HashMap<>();
-    private final Deque<WorldEvent> events = new ArrayDeque<>();
-    private long lastId;
-    private long subscription;
-    private int every;
-    private @Nullable Perception known;
-    private @Nullable Perception latest;
-    /** Acts of the round, in lock-step. */
-    private List<Long> doing = List.of();
-    private long readyFrame = NO_FRAME;
-    private long observedFrame = NO_FRAME;
+    private final Conversation talk;
     private @Nullable AgentException end;
 
     /**
@@ -78,43 +57,25 @@ public final class AgentClient implements AutoCloseable {
 
     /** As {@link #connect(String, int, String)}, in any role. */
     public static AgentClient connect(String host, int port, Join join) throws IOException {
-        var socket = new Socket();
-        try {
-            int patience = Math.toIntExact(join.patience().toMillis());
-            socket.connect(new InetSocketAddress(host, port), patience);
-            socket.setSoTimeout(patience);
-            return new AgentClient(join.tls().isPresent() ? secure(socket, host, join.tls().get()) : socket, join);
-        } catch (SSLException e) {
-            socket.close();
-            throw new DisconnectedException("tls-failed", e.getMessage(),
-                    Optional.of("does the server speak TLS, and is its certificate one that you trust?"));
-        } catch (IOException | RuntimeException e) {
-            socket.close();
-            throw e;
-        }
+        return new AgentClient(InetSocketAddress.createUnresolved(host, port), join);
     }
 
-    /** Shakes hands, and makes sure that the server is the one at that address. */
-    private static Socket secure(Socket socket, String host, SSLContext trusted) throws IOException {
-        var secure = (SSLSocket) trusted.getSocketFactory().createSocket(socket, host, socket.getPort(), true);
-        SSLParameters parameters = secure.getSSLParameters();
-        parameters.setEndpointIdentificationAlgorithm("HTTPS");
-        secure.setSSLParameters(parameters);
-        secure.startHandshake();
-        return secure;
-    }
-
-    private AgentClient(Socket socket, Join join) throws IOException {
-        this.socket = socket;
+    private AgentClient(InetSocketAddress address, Join join) throws IOException {
+        this.address = address;
         this.patience = join.patience();
-        socket.setTcpNoDelay(true);
-        in = new DataInputStream(new BufferedInputStream(socket.getInputStream()));
-        out = socket.getOutputStream();
-        encoding = join.encoding();
-        write(encode(Protocol.hello(join), Encoding.JSON));
-        welcome = awaitWelcome();
-        socket.setSoTimeout(0);
+        Wire.Opened opened = open(address, join);
+        wire = opened.wire();
+        welcome = opened.welcome();
+        talk = new Conversation(join, welcome);
         reader = Thread.ofVirtual().name("reve agent " + join.name()).start(this::read);
+    }
+
+    private static Wire.Opened open(InetSocketAddress address, Join join) throws IOException {
+        try {
+            return Wire.open(address, join);
+        } catch (EOFException e) {
+            throw lost(e);
+        }
     }
 
     /** What the server said when the agent joined: its body, the world, the limits. */
@@ -124,8 +85,7 @@ public final class AgentClient implements AutoCloseable {
 
     /** The items of the next frame. */
     public Perception perceive() {
-        long id = nextId();
-        return ask(id, Protocol.perceive(id), Perception.class);
+        return ask(Protocol::perceive, Perception.class);
     }
 
     /**
@@ -133,8 +93,7 @@ public final class AgentClient implements AutoCloseable {
      * and {@code touching}, too.
      */
     public Perception perceiveWithRelations() {
-        long id = nextId();
-        return ask(id, Protocol.perceiveWithRelations(id), Perception.class);
+        return ask(Protocol::perceiveWithRelations, Perception.class);
     }
 
     /**
@@ -149,14 +108,7 @@ public final class AgentClient implements AutoCloseable {
         if (frames < 1) {
             throw new IllegalArgumentException("every " + frames + " frames, expected 1 or more");
         }
-        long id = nextId();
-        synchronized (this) {
-            subscription = id;
-            every = frames;
-            known = null;
-            latest = null;
-        }
-        send(Protocol.perceive(id, frames));
+        say(() -> talk.subscribe(frames));
     }
 
     /**
@@ -165,26 +117,22 @@ public final class AgentClient implements AutoCloseable {
      * @throws IllegalStateException without {@link #perceiveEvery}
      */
     public synchronized Perception nextPerception() {
-        if (subscription == 0) {
+        if (!talk.isSubscribed()) {
             throw new IllegalStateException("call perceiveEvery before nextPerception");
         }
-        await(() -> latest != null, patience.plusMillis(1000L * every / welcome.rate()));
-        Perception perception = Objects.requireNonNull(latest);
-        latest = null;
-        return perception;
+        await(talk::hasNews, patience.plus(talk.pace()));
+        return talk.news();
     }
 
     /** Ends what {@link #perceiveEvery} began. */
     public void stopPerceiving() {
-        synchronized (this) {
-            if (subscription == 0) {
-                return;
+        synchronized (sending) {
+            Optional<byte[]> farewell;
+            synchronized (this) {
+                farewell = talk.unsubscribe();
             }
-            subscription = 0;
-            known = null;
-            latest = null;
+            farewell.ifPresent(this::send);
         }
-        send(Protocol.perceive(nextId(), 0));
     }
 
     /**
@@ -193,8 +141,7 @@ public final class AgentClient implements AutoCloseable {
      * @throws AgentException with the server's code if there is no picture
      */
     public Image look(String sensor) {
-        long id = nextId();
-        return ask(id, Protocol.look(id, sensor), Image.class);
+        return ask(id -> Protocol.look(id, sensor), Image.class);
     }
 
     /**
@@ -204,8 +151,7 @@ public final class AgentClient implements AutoCloseable {
      *     units that the action declares
      */
     public ActResult act(String item, String action, Map<String, ?> arguments) {
-        long id = nextId();
-        return ask(id, Protocol.act(id, item, action, arguments), ActResult.class);
+        return ask(id -> Protocol.act(id, item, action, arguments), ActResult.class);
     }
 
     /**
@@ -215,8 +161,7 @@ public final class AgentClient implements AutoCloseable {
      * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map of Numbers
      */
     public ActResult command(String type, Map<String, ?> fields) {
-        long id = nextId();
-        return ask(id, Protocol.command(id, type, fields), ActResult.class);
+        return ask(id -> Protocol.command(id, type, fields), ActResult.class);
     }
 
     /**
@@ -225,13 +170,11 @@ public final class AgentClient implements AutoCloseable {
      * @throws AgentException with the server's code if it refuses to look so far ahead
      */
     public Perception foresee(int frames) {
-        long id = nextId();
-        ServerMessage answer = ask(id, Protocol.command(id, "fork", Map.of("frames", frames)), ServerMessage.class);
-        return switch (answer) {
+        return switch (ask(() -> talk.fork(frames), ServerMessage.class)) {
             case Perception perception -> perception;
             case ActResult refused -> throw new AgentException(refused.code().orElse("refused"),
                     refused.reason().orElse("the server does not look ahead"), Optional.empty());
-            default -> throw unexpected(answer);
+            case ServerMessage other -> throw AgentException.unexpected(other);
         };
     }
 
@@ -251,24 +194,7 @@ public final class AgentClient implements AutoCloseable {
     /** In lock-step: does these things in the next frame, for which the world need not wait any longer. */
     public void ready(Act... acts) {
         requireLockStep();
-        var messages = new ArrayList<ObjectNode>();
-        synchronized (this) {
-            OptionalLong seen = known == null ? OptionalLong.empty() : OptionalLong.of(known.frame());
-            List<Long> ids = Arrays.stream(acts).map(act -> nextId()).toList();
-            for (int i = 0; i < acts.length; i++) {
-                String item = acts[i].item().orElseGet(() -> welcome.body().orElseThrow());
-                ObjectNode act = Protocol.act(ids.get(i), item, acts[i].action(), acts[i].arguments());
-                messages.add(i == acts.length - 1 ? Protocol.andReady(act, seen) : act);
-            }
-            if (acts.length == 0) {
-                messages.add(Protocol.ready(seen));
-            }
-            doing.forEach(answers::remove);
-            doing = ids;
-            ids.forEach(id -> answers.put(id, Optional.empty()));
-            readyFrame = seen.orElse(NO_FRAME);
-        }
-        messages.forEach(this::send);
+        say(() -> talk.ready(acts));
     }
 
     /**
@@ -284,46 +210,20 @@ public final class AgentClient implements AutoCloseable {
         LockStep time = requireLockStep();
         Duration longest = patience.plus(time.deadline()).plusMillis(1000L * time.every() / welcome.rate());
         while (true) {
-            OptionalLong missed;
             synchronized (this) {
-                await(() -> isObservable(frame) || isWaitedForAgain(), longest);
-                if (isObservable(frame)) {
-                    return observation();
+                await(() -> talk.hasObservation(frame) || talk.mustSayReady(), longest);
+                if (talk.hasObservation(frame)) {
+                    return talk.observation();
                 }
-                readyFrame = Objects.requireNonNull(known).frame();
-                missed = OptionalLong.of(readyFrame);
             }
-            send(Protocol.ready(missed));
-        }
-    }
-
-    private boolean isObservable(long frame) {
-        return known != null && known.frame() > observedFrame && known.frame() >= frame && isAllDone();
-    }
-
-    /** The round went on without the agent, and the next one waits while results are still to come. */
-    private boolean isWaitedForAgain() {
-        return known != null && known.frame() > readyFrame && !isAllDone();
-    }
-
-    private boolean isAllDone() {
-        return doing.stream().allMatch(id -> answers.get(id).isPresent());
-    }
-
-    private Perception observation() {
-        Perception seen = Objects.requireNonNull(known);
-        observedFrame = seen.frame();
-        List<ServerMessage> done = doing.stream().map(id -> answers.remove(id).orElseThrow()).toList();
-        doing = List.of();
-        var results = new ArrayList<ActResult>();
-        for (ServerMessage answer : done) {
-            switch (answer) {
-                case ActResult result -> results.add(result);
-                case ServerMessage.Error error -> throw refused(error);
-                default -> throw unexpected(answer);
+            synchronized (sending) {
+                Optional<byte[]> ready;
+                synchronized (this) {
+                    ready = talk.mustSayReady() ? Optional.of(talk.sayReady()) : Optional.empty();
+                }
+                ready.ifPresent(this::send);
             }
         }
-        return seen.with(List.copyOf(results));
     }
 
     private LockStep requireLockStep() {
@@ -333,74 +233,85 @@ public final class AgentClient implements AutoCloseable {
 
     /** Returns when the server has answered. */
     public void ping() {
-        long id = nextId();
-        ask(id, Protocol.ping(id), ServerMessage.Pong.class);
+        ask(Protocol::ping, ServerMessage.Pong.class);
     }
 
     /** What happened since the last call, oldest first. */
     public synchronized List<WorldEvent> events() {
-        List<WorldEvent> news = List.copyOf(events);
-        events.clear();
-        return news;
+        return talk.events();
     }
 
     /** Leaves the world. Calling it again does nothing. */
     @Override
     public void close() {
         finish(new DisconnectedException("closed", "this agent has left", Optional.empty()));
-        try (socket) {
-            write(Protocol.bye());
+        try {
+            synchronized (sending) {
+                wire.write(talk.encode(Protocol.bye()));
+            }
             reader.join(patience); // ends with the server's bye, or with the connection
         } catch (IOException e) {
             // The connection is gone already, which is all we want.
         } catch (InterruptedException e) {
             Thread.currentThread().interrupt();
+        } finally {
+            closeQuietly(wire);
         }
     }
 
     // ---- asking ----
 
-    private synchronized long nextId() {
-        return ++lastId;
+    private <T extends ServerMessage> T ask(LongFunction<ObjectNode> build, Class<T> answerType) {
+        return ask(() -> talk.question(build), answerType);
     }
 
-    private <T extends ServerMessage> T ask(long id, ObjectNode question, Class<T> answerType) {
-        ServerMessage answer;
-        synchronized (this) {
-            answers.put(id, Optional.empty());
-        }
-        try {
-            send(question);
-            answer = awaitAnswer(id);
-        } finally {
+    private <T extends ServerMessage> T ask(Supplier<Conversation.Question> ask, Class<T> answerType) {
+        long id;
+        synchronized (sending) {
+            Conversation.Question question;
             synchronized (this) {
-                answers.remove(id);
+                requireOpen();
+                question = ask.get();
+            }
+            id = question.id();
+            send(question.line());
+        }
+        synchronized (this) {
+            try {
+                await(() -> talk.hasAnswer(id), patience);
+                return talk.answer(id, answerType);
+            } finally {
+                talk.drop(id);
             }
         }
-        if (answer instanceof ServerMessage.Error error) {
-            throw refused(error);
-        }
-        if (!answerType.isInstance(answer)) {
-            throw unexpected(answer);
-        }
-        return answerType.cast(answer);
     }
 
-    private synchronized ServerMessage awaitAnswer(long id) {
-        await(() -> answers.get(id).isPresent(), patience);
-        return answers.get(id).orElseThrow();
+    /** Sends what has no answer of its own. */
+    private void say(Supplier<byte[]> build) {
+        synchronized (sending) {
+            byte[] lines;
+            synchronized (this) {
+                requireOpen();
+                lines = build.get();
+            }
+            send(lines);
+        }
+    }
+
+    private void requireOpen() {
+        if (end != null) {
+            throw end;
+        }
     }
 
     /** With this held: until ready, or the end of the connection or of patience. */
     private void await(BooleanSupplier ready, Duration longest) {
         long deadline = System.nanoTime() + longest.toNanos();
         while (!ready.getAsBoolean()) {
-            if (end != null) {
-                throw end;
-            }
+            requireOpen();
             long left = deadline - System.nanoTime();
             if (left <= 0) {
-                throw noAnswer(longest);
+                throw AgentException.noAnswer(longest);
             }
             try {
                 TimeUnit.NANOSECONDS.timedWait(this, left);
@@ -411,144 +322,15 @@ public final class AgentClient implements AutoCloseable {
         }
     }
 
-    private void send(ObjectNode message) {
-        synchronized (this) {
-            if (end != null) {
-                throw end;
-            }
-        }
+    /** With {@link #sending} held. Over a broken connection nothing: what matters is said again over the next. */
+    private void send(byte[] lines) {
         try {
-            write(message);
+            wire.write(lines);
         } catch (IOException e) {
-            throw finish(lost(e));
-        }
-    }
-
-    private void write(ObjectNode message) throws IOException {
-        write(encode(message, encoding));
-    }
-
-    private void write(byte[] message) throws IOException {
-        synchronized (sending) {
-            out.write(message);
-            out.flush();
-        }
-    }
-
-    private static byte[] encode(ObjectNode message, Encoding encoding) {
-        return encoding == Encoding.JSON ? (message + "\n").getBytes(StandardCharsets.UTF_8) : Packed.write(message);
-    }
-
-    // ---- listening ----
-
-    private Welcome awaitWelcome() throws IOException {
-        try {
-            ServerMessage message = next();
-            while (!(message instanceof Welcome greeting)) {
-                switch (message) {
-                    case ServerMessage.Ping ping -> write(Protocol.pong());
-                    case ServerMessage.Bye bye -> throw disconnected(bye);
-                    case ServerMessage.Error error -> throw refused(error);
-                    default -> throw unexpected(message);
-                }
-                message = next();
+            if (welcome.session().isEmpty()) {
+                throw finish(lost(e));
             }
-            return greeting;
-        } catch (SocketTimeoutException e) {
-            throw noAnswer(patience);
         }
-    }
-
-    private void read() {
-        try {
-            while (true) {
-                take(next());
-            }
-        } catch (IOException e) {
-            finish(lost(e));
-        } catch (AgentException e) {
-            finish(e);
-        }
-    }
-
-    /** A line of JSON begins with a brace, a length with 0. */
-    private ServerMessage next() throws IOException {
-        int first = in.read();
-        if (first < 0) {
-            throw new DisconnectedException("lost", "the server closed the connection without a reason",
-                    Optional.empty());
-        }
-        if (first != 0) {
-            return Protocol.read(line(first));
-        }
-        byte[] packed = new byte[in.readUnsignedByte() << 16 | in.readUnsignedShort()];
-        in.readFully(packed);
-        return Protocol.read(packed);
-    }
-
-    private String line(int first) throws IOException {
-        var line = new ByteArrayOutputStream(256);
-        for (int next = first; next >= 0 && next != '\n'; next = in.read()) {
-            line.write(next);
-        }
-        return line.toString(StandardCharsets.UTF_8);
-    }
-
-    private void take(ServerMessage message) throws IOException {
-        switch (message) {
-            case ServerMessage.Ping ping -> write(Protocol.pong());
-            case ServerMessage.Bye bye -> throw disconnected(bye);
-            case ServerMessage.Pong pong -> answer(pong.id(), pong);
-            case ServerMessage.Error error -> {
-                if (error.id().isEmpty()) {
-                    throw refused(error);
-                }
-                answer(error.id(), error);
-            }
-            case Image image -> answer(OptionalLong.of(image.id()), image);
-            case ActResult result -> answer(OptionalLong.of(result.id()), result);
-            case Perception perception -> show(perception);
-            case Update update -> show(update);
-            case WorldEvent event -> remember(event);
-            case Welcome again -> throw unexpected(again);
-        }
-    }
-
-    private synchronized void show(Perception perception) {
-        if (perception.id().equals(stream())) {
-            known = perception;
-            latest = perception;
-            notifyAll();
-        } else {
-            answer(perception.id(), perception);
-        }
-    }
-
-    private synchronized void show(Update update) {
-        if (known != null && update.id().equals(stream())) {
-            known = known.updated(update);
-            latest = known;
-            notifyAll();
-        }
-    }
-
-    /** In lock-step perceptions come without having been asked for. */
-    private OptionalLong stream() {
-        return welcome.lockStep().isPresent() ? OptionalLong.empty() : OptionalLong.of(subscription);
-    }
-
-    private synchronized void answer(OptionalLong id, ServerMessage message) {
-        if (id.isPresent()) {
-            answers.computeIfPresent(id.getAsLong(), (number, none) -> Optional.of(message));
-            notifyAll();
-        }
-    }
-
-    private synchronized void remember(WorldEvent event) {
-        if (events.size() == MAX_EVENTS) {
-            events.removeFirst();
-        }
-        events.addLast(event);
     }
 
     /** The first reason counts. */
@@ -559,26 +341,99 @@ public final class AgentClient implements AutoCloseable {
         return first;
     }
 
-    // ---- what goes wrong ----
-
-    private static DisconnectedException disconnected(ServerMessage.Bye bye) {
-        return new DisconnectedException(bye.code(), bye.message(), bye.hint());
-    }
-
     private static DisconnectedException lost(IOException cause) {
         return new DisconnectedException("lost", "the connection broke: " + cause.getMessage(), Optional.empty());
     }
 
-    private static AgentException refused(ServerMessage.Error error) {
-        return new AgentException(error.code(), error.message(), error.hint());
+    // ---- the reader's thread ----
+
+    private void read() {
+        try {
+            while (true) {
+                try {
+                    take(wire.next());
+                } catch (IOException e) {
+                    if (!resume()) {
+                        finish(lost(e));
+                        return;
+                    }
+                }
+            }
+        } catch (AgentException e) {
+            finish(e);
+        }
     }
 
-    private static AgentException unexpected(ServerMessage message) {
-        return new AgentException("protocol", "the server sent what nobody asked for: " + message, Optional.empty());
+    private void take(ServerMessage message) {
+        Optional<byte[]> reply;
+        synchronized (this) {
+            reply = talk.take(message);
+            notifyAll();
+        }
+        reply.ifPresent(line -> {
+            synchronized (sending) {
+                send(line);
+            }
+        });
     }
 
-    private static AgentException noAnswer(Duration waited) {
-        return new AgentException("no-answer", "the server was silent for " + waited.toMillis() / 1000.0 + " s",
-                Optional.of("is its world running?"));
+    /**
+     * Goes on over another connection, until the time of grace is over.
+     *
+     * @return true if that worked
+     * @throws AgentException if the server refuses
+     */
+    private boolean resume() {
+        if (welcome.session().isEmpty()) {
+            return false;
+        }
+        closeQuietly(wire);
+        long deadline = System.nanoTime() + (long) (welcome.session().get().graceSeconds() * 1e9);
+        while (System.nanoTime() < deadline) {
+            Join greeting;
+            synchronized (this) {
+                if (end != null) {
+                    return false;
+                }
+                greeting = talk.greeting().orElseThrow();
+            }
+            try {
+                goOn(Wire.open(address, greeting).wire());
+                return true;
+            } catch (IOException e) {
+                pause();
+            }
+        }
+        return false;
+    }
+
+    private void goOn(Wire next) {
+        synchronized (sending) {
+            wire = next;
+            byte[] lines;
+            synchronized (this) {
+                lines = end == null ? talk.goneOn() : talk.encode(Protocol.bye());
+            }
+            send(lines);
+        }
+    }
+
+    /** Until it is time to try again, or the client is closed. */
+    private synchronized void pause() {
+        if (end == null) {
+            try {
+                TimeUnit.MILLISECONDS.timedWait(this, RETRY.toMillis());
+            } catch (InterruptedException e) {
+                Thread.currentThread().interrupt();
+            }
+        }
+    }
+
+    private static void closeQuietly(Wire old) {
+        try {
+            old.close();
+        } catch (IOException e) {
+            // Closing frees the descriptor even when it complains.
+        }
     }
 }

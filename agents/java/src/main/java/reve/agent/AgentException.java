@@ -1,5 +1,6 @@
 package reve.agent;
 
+import java.time.Duration;
 import java.util.Optional;
 
 /**
@@ -17,6 +18,19 @@ public class AgentException extends RuntimeException {
         super(code + ": " + message + hint.map(text -> " (" + text + ")").orElse(""));
         this.code = code;
         this.hint = hint;
+    }
+
+    static AgentException refused(ServerMessage.Error error) {
+        return new AgentException(error.code(), error.message(), error.hint());
+    }
+
+    static AgentException unexpected(ServerMessage message) {
+        return new AgentException("protocol", "the server sent what nobody asked for: " + message, Optional.empty());
+    }
+
+    static AgentException noAnswer(Duration waited) {
+        return new AgentException("no-answer", "the server was silent for " + waited.toMillis() / 1000.0 + " s",
+                Optional.of("is its world running?"));
     }
 
     /** One of the codes of the protocol; {@code no-answer} for silence, {@code protocol} for what is no message. */
