@@ -6,9 +6,11 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalInt;
 import java.util.Set;
 import java.util.TreeMap;
 import java.util.TreeSet;
+import java.util.stream.Collectors;
 import reve.core.file.AgentPolicy;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
@@ -48,16 +50,17 @@ public final class Members {
     /**
      * @param name what it was called when the agent came
      * @param made true if the item exists for this agent only and goes with it
+     * @param place where it was made, by the order of the world's places; empty if it has none
      * @param sensors what the agent perceives with; none for everything
      * @param ofActions those of them that perceive actions
      * @param needsSight true if one of them needs a line of sight
      * @param rights of the agent
      */
-    private record Body(ItemId id, String name, boolean made, List<Sensor> sensors, List<Sensor> ofActions,
-            boolean needsSight, Rights rights) {
+    private record Body(ItemId id, String name, boolean made, OptionalInt place, List<Sensor> sensors,
+            List<Sensor> ofActions, boolean needsSight, Rights rights) {
 
-        Body(ItemId id, String name, boolean made, List<Sensor> sensors, Rights rights) {
-            this(id, name, made, sensors,
+        Body(ItemId id, String name, boolean made, OptionalInt place, List<Sensor> sensors, Rights rights) {
+            this(id, name, made, place, sensors,
                     sensors.stream().filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS)).toList(),
                     sensors.stream().anyMatch(Sensor::lineOfSight), rights);
         }
@@ -140,7 +143,7 @@ public final class Members {
     private Outcome rewound(World world, long frame, String agent, Optional<ItemId> then) {
         Body before = bodies.get(agent);
         try {
-            Body now = before.made() ? embody(world, agent, then, before.rights()) : before;
+            Body now = before.made() ? embody(world, agent, then, before) : before;
             bodies.put(agent, now);
             if (!now.id().equals(before.id())) {
                 raiseJoined(world, frame, agent, now);
@@ -153,12 +156,13 @@ public final class Members {
         }
     }
 
-    private Body embody(World world, String agent, Optional<ItemId> then, Rights rights) throws Ending {
+    private Body embody(World world, String agent, Optional<ItemId> then, Body before) throws Ending {
         Optional<Item> own = then.filter(id -> isMade(world, id)).flatMap(world::find);
         if (own.isPresent()) {
-            return new Body(own.get().id(), own.get().name(), true, own.get().sensors(), rights);
+            return new Body(own.get().id(), own.get().name(), true, before.place(), own.get().sensors(),
+                    before.rights());
         }
-        return make(world, agent, policy.template().orElseThrow(), rights);
+        return make(world, agent, policy.template().orElseThrow(), before.place(), before.rights());
     }
 
     private boolean isMade(World world, ItemId id) {
@@ -335,7 +339,7 @@ public final class Members {
         ItemDefinition template = policy.template().orElseThrow(() -> Ending.refused("no-body-free",
                 "all bodies that world " + world.name() + " lends to agents are taken",
                 "try again when an agent has left"));
-        return make(world, join.agent(), template, rights);
+        return make(world, join.agent(), template, freePlace(world), rights);
     }
 
     private Item requireFree(World world, String name, Rights rights) throws Ending {
@@ -358,17 +362,39 @@ public final class Members {
 
     private Body lend(Item item, Rights rights) {
         lent.add(item.name());
-        return new Body(item.id(), item.name(), false, item.sensors(), rights);
+        return new Body(item.id(), item.name(), false, OptionalInt.empty(), item.sensors(), rights);
     }
 
-    private static Body make(World world, String agent, ItemDefinition template, Rights rights) throws Ending {
+    /** The first place that nobody who is here has come to. */
+    private OptionalInt freePlace(World world) throws Ending {
+        if (policy.places().isEmpty()) {
+            return OptionalInt.empty();
+        }
+        Set<Integer> taken = bodies.values().stream().flatMapToInt(body -> body.place().stream()).boxed()
+                .collect(Collectors.toSet());
+        for (int place = 0; place < policy.places().size(); place++) {
+            if (!taken.contains(place)) {
+                return OptionalInt.of(place);
+            }
+        }
+        throw Ending.refused("no-body-free", "all " + policy.places().size() + " places of agents' bodies in world "
+                + world.name() + " are taken", "try again when an agent has left");
+    }
+
+    private Body make(World world, String agent, ItemDefinition template, OptionalInt place, Rights rights)
+            throws Ending {
         if (world.find(agent).isPresent()) {
             throw Ending.refused("name-taken", "world " + world.name() + " has an item " + Text.quote(agent)
                     + " already, so the agent's body cannot be called that", "say hello with another name");
         }
         try {
-            Item item = world.add(template.renamed(agent));
-            return new Body(item.id(), item.name(), true, item.sensors(), rights);
+            ItemDefinition.Builder body = template.copy(agent);
+            place.ifPresent(number -> {
+                AgentPolicy.Place at = policy.places().get(number);
+                body.at(at.x(), at.y(), at.z());
+            });
+            Item item = world.add(body.build());
+            return new Body(item.id(), item.name(), true, place, item.sensors(), rights);
         } catch (RuntimeException e) {
             throw Ending.refused("no-body-free", "the body could not be made: " + e.getMessage(),
                     "correct agents.body in the world file");

@@ -141,11 +141,20 @@ final class WorldReader {
             a[0] * b[1] - a[1] * b[0]};
     }
 
-    private static AgentPolicy agents(Node node, ItemReader itemReader)
+    private AgentPolicy agents(Node node, ItemReader itemReader)
             throws WorldFileException {
         List<String> bodies = node.get("bodies").map(itemReader::readBodies).orElse(List.of());
         Optional<Node> body = node.get("body");
         return new AgentPolicy(bodies, body.isEmpty() ? Optional.empty()
-                : Optional.of(itemReader.readTemplate(body.get())));
+                : Optional.of(itemReader.readTemplate(body.get())), places(node));
+    }
+
+    private List<AgentPolicy.Place> places(Node agents) {
+        var places = new ArrayList<AgentPolicy.Place>();
+        for (Node node : agents.get("places").map(Node::children).orElse(List.of())) {
+            quantities.numbers(node, 3, METRE)
+                    .ifPresent(at -> places.add(new AgentPolicy.Place(at[0], at[1], at[2])));
+        }
+        return places;
     }
 }

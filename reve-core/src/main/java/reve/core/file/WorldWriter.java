@@ -195,6 +195,8 @@ public final class WorldWriter {
         Map<String, Object> tree = new LinkedHashMap<>();
         putIfAny(tree, "bodies", world.agents().bodies());
         world.agents().template().ifPresent(body -> tree.put("body", items.template(body)));
+        putIfAny(tree, "places", world.agents().places().stream().map(place -> ItemWriter.quantity(
+                ScalarType.F64, new double[] {place.x(), place.y(), place.z()})).toList());
         return tree;
     }
 }

@@ -301,6 +301,25 @@ class AgentServerTest {
     // ---- joining and leaving ----
 
     @Test
+    void aMadeBodyComesToTheFirstPlaceThatNoAgentHas() throws IOException {
+        var policy = new AgentPolicy(List.of(), AgentRoom.making().template(),
+                List.of(new AgentPolicy.Place(0, 0.5, 0), new AgentPolicy.Place(3, 0.5, 1)));
+        try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG, policy, 64); TestClient ada = hall.join("ada");
+                TestClient bob = hall.join("bob"); TestClient eve = hall.connect()) {
+            assertThat(hall.item("ada").physical().location()).containsExactly(0, 0.5, 0);
+            assertThat(hall.item("bob").physical().location()).containsExactly(3, 0.5, 1);
+            eve.say("{'t':'hello','protocol':1,'name':'eve'}");
+            hall.stepUntil("eve was refused", eve::hasNews);
+            eve.expectBye("no-body-free");
+            ada.say("{'t':'bye'}").skipToBye("goodbye");
+            hall.step();
+            hall.join("zoe").close();
+            assertThat(hall.item("zoe").physical().location()).containsExactly(0, 0.5, 0);
+            bob.say("{'t':'ping','id':1}").skipTo("pong");
+        }
+    }
+
+    @Test
     void aMadeBodyGoesWithItsAgentHoweverItLeaves() throws IOException {
         TestClient ada = room.join("ada");
         TestClient bob = room.join("bob");

@@ -327,10 +327,13 @@ class WorldFileTest {
                 agents:
                   bodies: [b, a]
                   body: {physical: {shape: sphere, radius: 1}, semantic: {class: guest}}
+                  places: [[0, 1, 2], 10 20 30 cm]
                 items: [{name: a}, {name: b}]
                 """).agents();
 
         assertThat(agents.bodies()).containsExactly("b", "a");
+        assertThat(agents.places()).containsExactly(
+                new AgentPolicy.Place(0, 1, 2), new AgentPolicy.Place(0.1, 0.2, 0.3));
         ItemDefinition guest = agents.template().orElseThrow().renamed("ada");
         assertThat(guest.shape()).isEqualTo(Shape.sphere(1));
         assertThat(guest.hasPhysics()).isFalse();
