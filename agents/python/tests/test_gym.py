@@ -83,6 +83,36 @@ class GymTest(unittest.TestCase):
             warnings.simplefilter("error")
             parallel_api_test(environment, num_cycles=40)
 
+    def test_gymnasiums_checker_is_content_with_what_is_rendered(self):
+        environment = self.environment("cart-pole", lambda at: Environment(
+            at, Balance(), frames=2, steps=50, render_mode="rgb_array", camera=("viewer", "eye")))
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            warnings.filterwarnings("ignore", message=".*(infinity|spec|symmetric and normalized).*")
+            check_env(environment)
+
+    def test_a_rendered_picture_shows_the_world_as_the_step_left_it(self):
+        environment = self.environment("cart-pole", lambda at: Environment(
+            at, Balance(), render_mode="rgb_array", camera=("viewer", "eye")))
+        self.assertEqual(environment.metadata["render_fps"], 60)
+        environment.reset(seed=1)
+        before = environment.render()
+        self.assertEqual((before.shape, before.dtype), ((160, 240, 3), numpy.uint8))
+        red, _, blue = numpy.moveaxis(before.astype(int), 2, 0)
+        cart, tip = numpy.argwhere(blue > red + 60), numpy.argwhere(red > blue + 60)
+        self.assertLess(tip[:, 0].mean(), cart[:, 0].min())  # the tip is above the cart
+        self.assertAlmostEqual(cart[:, 1].mean(), 119.5, delta=12)  # which is in the middle
+        numpy.testing.assert_array_equal(environment.render(), before)  # the world stands still
+        for _ in range(30):
+            environment.step(numpy.array([1.0], numpy.float32))
+        after = environment.render().astype(int)
+        moved = numpy.argwhere(after[:, :, 2] > after[:, :, 0] + 60)
+        self.assertGreater(abs(moved[:, 1].mean() - cart[:, 1].mean()), 20)
+
+    def test_a_mode_without_a_camera_is_refused(self):
+        with self.assertRaisesRegex(ValueError, "camera"):
+            Environment(("127.0.0.1", 1), Balance(), render_mode="rgb_array")
+
     def test_the_same_seed_and_actions_make_the_same_episode_to_the_bit(self):
         environment = self.environment("cart-pole", lambda at: Environment(at, Balance()))
 

@@ -7,7 +7,7 @@ from typing import Any, Dict, Optional, Tuple
 import gymnasium
 
 from ..protocol import Perception
-from .stage import Address, Stage, info
+from .stage import RENDER_MODES, Address, Camera, Stage, info
 from .task import Task
 
 
@@ -17,10 +17,11 @@ class Environment(gymnasium.Env[Any, Any]):
     `address` is host and port of a server, such as that of `reve.serve(...)`. A step is `frames` frames long, an episode
     `steps` steps at most. Every episode begins where the world began, changed by the task's `begin`; so the same seed
     and actions give the same observations, to the bit. `info` holds the world's `time` [s] and
-    the `items` that the agent perceives.
+    the `items` that the agent perceives. With `render_mode` "rgb_array", `render` returns what a `camera` of the world sees:
+    the item that carries it, which is the agent's body or one that the world lends, and the sensor's name.
     """
 
-    metadata: Dict[str, Any] = {"render_modes": []}
+    metadata: Dict[str, Any] = {"render_modes": RENDER_MODES}
 
     def __init__(
         self,
@@ -30,6 +31,8 @@ class Environment(gymnasium.Env[Any, Any]):
         frames: int = 1,
         steps: Optional[int] = None,
         name: str = "learner",
+        render_mode: Optional[str] = None,
+        camera: Optional[Camera] = None,
     ) -> None:
         self.task = task
         self.observation_space = task.observation_space
@@ -37,7 +40,9 @@ class Environment(gymnasium.Env[Any, Any]):
         self._name = name
         self._steps = steps
         self._done = 0
-        self._stage = Stage(address, {name: task}, frames)
+        self.render_mode = render_mode
+        self._stage = Stage(address, {name: task}, frames, render_mode, camera)
+        self.metadata = {"render_modes": RENDER_MODES, "render_fps": self._stage.fps}
 
     def reset(
         self, *, seed: Optional[int] = None, options: Optional[Dict[str, Any]] = None
@@ -57,6 +62,9 @@ class Environment(gymnasium.Env[Any, Any]):
             self._steps is not None and self._done >= self._steps,
             info(perception),
         )
+
+    def render(self) -> Any:
+        return self._stage.render()
 
     def close(self) -> None:
         self._stage.close()

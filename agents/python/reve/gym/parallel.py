@@ -9,7 +9,7 @@ import numpy
 from gymnasium.utils import seeding
 from pettingzoo import ParallelEnv
 
-from .stage import Address, Stage, info
+from .stage import RENDER_MODES, Address, Camera, Stage, info
 from .task import Task
 
 
@@ -19,7 +19,7 @@ class ParallelEnvironment(ParallelEnv[str, Any, Any]):
     An agent whose task is over stays in the world and does nothing until the episode has ended for all.
     """
 
-    metadata: Dict[str, Any] = {"render_modes": [], "name": "reve_v1"}
+    metadata: Dict[str, Any] = {"render_modes": RENDER_MODES, "name": "reve_v1"}
 
     def __init__(
         self,
@@ -28,15 +28,18 @@ class ParallelEnvironment(ParallelEnv[str, Any, Any]):
         *,
         frames: int = 1,
         steps: Optional[int] = None,
+        render_mode: Optional[str] = None,
+        camera: Optional[Camera] = None,
     ) -> None:
         self.tasks = dict(tasks)
         self.possible_agents: List[str] = list(self.tasks)
         self.agents: List[str] = []
-        self.render_mode = None
+        self.render_mode = render_mode
         self._random = numpy.random.default_rng()
         self._steps = steps
         self._done = 0
-        self._stage = Stage(address, self.tasks, frames)
+        self._stage = Stage(address, self.tasks, frames, render_mode, camera)
+        self.metadata = {**self.metadata, "render_fps": self._stage.fps}
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
         return self.tasks[agent].observation_space
@@ -77,6 +80,9 @@ class ParallelEnvironment(ParallelEnv[str, Any, Any]):
             dict.fromkeys(acted, cut),
             {a: info(perceptions[a]) for a in acted},
         )
+
+    def render(self) -> Any:
+        return self._stage.render()
 
     def close(self) -> None:
         self._stage.close()

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from typing import Any, Dict, Iterable, Mapping, Tuple
+from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
 import numpy
+import numpy.typing
 
-from ..client import connect, control
+from ..client import Agent, connect, control
 from ..errors import ReveError
 from ..protocol import Act, LockStep, Perception
 from .task import Task
 
 Address = Tuple[str, int]
+
+Camera = Tuple[str, str]
+"""The item that carries it, which one of the tasks has as its body or the world lends, and the sensor's name."""
+
+RENDER_MODES: List[str] = ["rgb_array"]
 
 _DEADLINE = 3600.0  # s; the server may allow less
 
@@ -24,22 +30,59 @@ def info(perception: Perception) -> Dict[str, Any]:
 class Stage:
     """Between two calls the world stands still. One thread."""
 
-    def __init__(self, address: Address, tasks: Mapping[str, Task], frames: int) -> None:
+    def __init__(
+        self,
+        address: Address,
+        tasks: Mapping[str, Task],
+        frames: int,
+        render_mode: Optional[str] = None,
+        camera: Optional[Camera] = None,
+    ) -> None:
         if frames < 1:
             raise ValueError(f"frames is {frames}; expected 1 or more")
+        if render_mode is not None and (render_mode not in RENDER_MODES or camera is None):
+            raise ValueError(
+                f"render_mode is {render_mode!r} and camera {camera}; expected {RENDER_MODES} and an item with a camera"
+            )
         self._tasks = tasks
         self._frames = frames
         self._frame = 0
         self._control = control(*address, name="-".join(("stage", *tasks))[:64])
-        self._agents = {}
+        self._agents: Dict[str, Agent] = {}
+        self._guest: Optional[Agent] = None
         try:
             for name, task in tasks.items():
                 self._agents[name] = connect(
                     *address, name=name, body=task.body, time=LockStep(frames, _DEADLINE)
                 )
+            self._camera = camera if render_mode is not None else None
+            self._viewer = None if self._camera is None else self._view(address, self._camera[0])
         except BaseException:
             self.close()
             raise
+
+    def _view(self, address: Address, item: str) -> Agent:
+        """Whose camera it is; an agent more if the item is no task's body."""
+        for agent in self._agents.values():
+            if agent.body == item:
+                return agent
+        name = "-".join(("view", *self._tasks))[:64]
+        self._guest = connect(*address, name=name, body=item)
+        return self._guest
+
+    @property
+    def fps(self) -> float:
+        """Steps in a second of the world."""
+        return self._control.welcome.rate / self._frames
+
+    def render(self) -> Optional[numpy.typing.NDArray[numpy.uint8]]:
+        """What the camera sees now: (height x width x 3) in sRGB. None without a camera."""
+        if self._viewer is None or self._camera is None:
+            return None
+        image = self._viewer.look(self._camera[1])
+        if image.colour is None:
+            raise ReveError("no-picture", f"the camera {self._camera[1]} of {self._camera[0]} has no colour")
+        return numpy.frombuffer(image.colour, numpy.uint8).reshape(image.height, image.width, 3).copy()
 
     def reset(self, random: numpy.random.Generator) -> Dict[str, Perception]:
         """Begins the world anew; what is perceived when the tasks' changes have been made, and a step was done."""
@@ -78,5 +121,6 @@ class Stage:
 
     def close(self) -> None:
         """Leaves the world. Calling it again does nothing."""
-        for client in (*self._agents.values(), self._control):
-            client.close()
+        for client in (*self._agents.values(), self._guest, self._control):
+            if client is not None:
+                client.close()
