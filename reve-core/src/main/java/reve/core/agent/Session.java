@@ -8,6 +8,7 @@ import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalLong;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
 import reve.core.world.Sensor;
@@ -36,8 +37,8 @@ final class Session {
 
     /** The event loop's thread; null for who perceives everything. */
     private @Nullable Senses senses;
-    /** The event loop's thread: whether a picture is being taken, and the frame of each camera's last one. */
-    private boolean looking;
+    /** The event loop's thread: the question that a picture is being taken for, and the frame of each camera's last. */
+    private OptionalLong looking = OptionalLong.empty();
     private final Map<String, Long> looked = new HashMap<>();
     /** The event loop's thread. */
     private final Quota quota;
@@ -294,25 +295,19 @@ final class Session {
         Sensor camera = Optional.ofNullable(senses).flatMap(its -> its.camera(look.sensor()))
                 .orElseThrow(() -> new BadMessage(look.id(), "no-such-camera", this + " has no camera "
                         + Text.quote(look.sensor()), "the world file says which sensors a body has"));
-        if (looking) {
+        if (looking.equals(OptionalLong.of(look.id()))) {
+            return; // asked again over another connection: the answer is on its way
+        }
+        if (looking.isPresent()) {
             throw new BadMessage(look.id(), "look-pending", "the picture asked for before is still on its way",
                     "wait for it");
         }
-        long before = looked.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
-        long next = before + camera.every();
-        long published = world.publisher().published();
-        if (published > before && published < next) {
-            throw new BadMessage(look.id(), "not-yet", "the camera " + Text.quote(camera.name())
-                    + " takes a picture every " + camera.every() + " frames", "look again from frame " + next + " on");
-        }
-        looking = true;
+        requireTurn(look, camera, world.publisher().published());
+        looking = OptionalLong.of(look.id());
         world.cameras().take(senses.body(), camera, new Cameras.Answer() {
             @Override
             public void taken(Cameras.Photo photo) {
-                world.publisher().later(() -> {
-                    looked.put(camera.name(), photo.frame());
-                    show(new ServerMessage.Image(look.id(), camera.name(), photo));
-                });
+                world.publisher().later(() -> show(look, camera, photo));
             }
 
             @Override
@@ -328,8 +323,28 @@ final class Session {
         });
     }
 
+    /** A camera shows the frame that it showed last, or one that is so many frames later. */
+    private void requireTurn(ClientMessage.Look look, Sensor camera, long frame) throws BadMessage {
+        long last = looked.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
+        long next = last + camera.every();
+        if (frame > last && frame < next) {
+            throw new BadMessage(look.id(), "not-yet", "the camera " + Text.quote(camera.name())
+                    + " takes a picture every " + camera.every() + " frames", "look again from frame " + next + " on");
+        }
+    }
+
+    private void show(ClientMessage.Look look, Sensor camera, Cameras.Photo photo) {
+        try {
+            requireTurn(look, camera, photo.frame());
+            looked.put(camera.name(), photo.frame());
+            show(new ServerMessage.Image(look.id(), camera.name(), photo));
+        } catch (BadMessage tooEarly) { // frames were made while it was drawn
+            show(tooEarly.error());
+        }
+    }
+
     private void show(ServerMessage answer) {
-        looking = false;
+        looking = OptionalLong.empty();
         boolean room;
         synchronized (this) {
             room = offer(answer);

@@ -1,0 +1,107 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import ch.qos.logback.classic.Logger;
+import ch.qos.logback.classic.spi.ILoggingEvent;
+import ch.qos.logback.core.read.ListAppender;
+import java.io.IOException;
+import java.util.List;
+import java.util.Random;
+import org.junit.jupiter.api.Test;
+import org.slf4j.LoggerFactory;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/** D10: text of clients, whatever is in it, forges no line of a log and hides nothing in what others read. */
+class HostileTextTest {
+
+    /** A hundred thousand for a whole run. */
+    private static final int TEXTS = Integer.getInteger("reve.hostile.texts", 6_400);
+    private static final int HELLOS = 200;
+    private static final JsonMapper JSON = new JsonMapper();
+    private static final List<String> PIECES = List.of("\0", "\n", "\r\n", "\u001b[2J", "\u0007", "\u0085", "\u2028",
+            "\u2029", "\u202e", "\u2066", "\u200b", "\ufeff", "\u007f", "\ue000", "\t", "ada", " INFO reve.agents -- ",
+            "\"", "\\", "{}", "%s", "${jndi:x}", "ä", "\ud83e\udd86");
+
+    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final Random random = new Random(seed);
+
+    private String text() {
+        var text = new StringBuilder();
+        for (int i = random.nextInt(1, random.nextInt(20) == 0 ? 500 : 8); i > 0; i--) {
+            text.append(PIECES.get(random.nextInt(PIECES.size())));
+        }
+        return JSON.writeValueAsString(text.toString());
+    }
+
+    /** The texts that people read hold no character that is not plainly visible. */
+    private void requireVisible(JsonNode message) {
+        for (String field : List.of("reason", "message", "hint")) {
+            message.path(field).asStringOpt().ifPresent(this::requireVisible);
+        }
+    }
+
+    private void requireVisible(String text) {
+        assertThat(text.codePoints().filter(c -> switch (Character.getType(c)) {
+            case Character.CONTROL, Character.FORMAT, Character.LINE_SEPARATOR, Character.PARAGRAPH_SEPARATOR,
+                    Character.PRIVATE_USE, Character.SURROGATE -> true;
+            default -> false;
+        }).mapToObj(Integer::toHexString)).as("-Dreve.test.seed=%d: %s", seed, text).isEmpty();
+    }
+
+    @Test
+    void noTextOfAClientComesOutAsItCameIn() throws IOException {
+        System.out.println("seed of hostile texts: -Dreve.test.seed=" + seed);
+        var log = new ListAppender<ILoggingEvent>();
+        log.start();
+        var logger = (Logger) LoggerFactory.getLogger("reve.agents");
+        logger.addAppender(log);
+        try (AgentRoom room = new AgentRoom()) {
+            act(room);
+            greet(room);
+        } finally {
+            logger.detachAppender(log);
+        }
+        assertThat(log.list).isNotEmpty();
+        log.list.forEach(line -> requireVisible(line.getFormattedMessage()));
+    }
+
+    private void act(AgentRoom room) throws IOException {
+        try (TestClient ada = room.join("ada")) {
+            int atOnce = AgentRoom.CONFIG.actsInFlight();
+            for (int id = 0; id < TEXTS; id += atOnce) {
+                for (int i = 0; i < atOnce; i++) {
+                    String act = switch (random.nextInt(4)) {
+                        case 0 -> "\"item\":" + text() + ",\"action\":\"push\"";
+                        case 1 -> "\"item\":\"duck\",\"action\":" + text();
+                        case 2 -> "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{" + text() + ":1}";
+                        default -> "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{\"impulse\":" + text() + "}";
+                    };
+                    ada.send(("{\"t\":\"act\",\"id\":" + (id + i) + "," + act + "}\n").getBytes());
+                }
+                ada.sync();
+                room.step();
+                for (int i = 0; i < atOnce; i++) {
+                    JsonNode result = ada.expect("result");
+                    assertThat(result.get("accepted").booleanValue()).isFalse();
+                    requireVisible(result);
+                }
+            }
+        }
+    }
+
+    private void greet(AgentRoom room) throws IOException {
+        for (int i = 0; i < HELLOS; i++) {
+            String field = List.of("name", "body", "role", "world", "encoding", "token").get(i % 6);
+            String name = field.equals("name") ? "" : ",\"name\":\"eve\"";
+            try (TestClient eve = room.connect()) {
+                eve.send(("{\"t\":\"hello\",\"protocol\":1" + name + ",\"" + field + "\":" + text() + "}\n").getBytes());
+                if (field.equals("body") || field.equals("token")) {
+                    room.stepUntil("eve is answered", eve::hasNews);
+                }
+                requireVisible(eve.next());
+            }
+        }
+    }
+}
