@@ -138,6 +138,17 @@ class AgentAbuseTest {
                 }
             }
         },
+        KNOCKS_A_HUNDRED_TIMES("lost") {
+            @Override
+            void behave(Attacker attacker) throws IOException {
+                for (int i = 0; i < 100; i++) {
+                    try (var knock = new Socket()) {
+                        knock.connect(attacker.socket.getRemoteSocketAddress());
+                    }
+                }
+                attacker.socket.close();
+            }
+        },
         COMES_AND_GOES("lost") {
             @Override
             void behave(Attacker attacker) throws IOException {

@@ -29,7 +29,6 @@ class CameraFuzzTest {
     private static final int OPERATIONS = Integer.getInteger("reve.fuzz.operations", 2_000);
     private static final int AGENTS = 4;
     private static final int EVERY = 3;
-    private static final int MOST_ERRORS = AgentRoom.CONFIG.maxErrors() - 4;
     private static final Sensor EYE = Sensor.camera("eye", 1,
             new Sensor.Camera(1, 1, EnumSet.of(Sensor.Layer.COLOUR))).withEvery(EVERY);
     private static final Set<String> REFUSALS = Set.of("no-picture", "look-pending", "not-yet", "no-such-camera");
@@ -61,6 +60,11 @@ class CameraFuzzTest {
             room.stepUntil("the looker is in the world", () -> room.has(name));
             session = client.expect("welcome").at("/session/token").stringValue();
             embody();
+        }
+
+        /** Each look that is open may have been refused, and too many refusals end a connection. */
+        boolean mayBeCut() {
+            return errors + open.size() >= AgentRoom.CONFIG.maxErrors() - 1;
         }
 
         void embody() {
@@ -117,6 +121,7 @@ class CameraFuzzTest {
             client = room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'" + session
                     + "','frame':" + room.loop.frame() + "}}");
             client.expect("welcome");
+            errors = 0;
             lastFrame = -EVERY; // what it was told meanwhile, it cannot know
             for (int id : open) {
                 say(id, "eye");
@@ -142,7 +147,7 @@ class CameraFuzzTest {
             }
             for (int i = 0; i < OPERATIONS; i++) {
                 int which = random.nextInt(AGENTS);
-                if (lookers.get(which).errors > MOST_ERRORS) {
+                if (lookers.get(which).mayBeCut()) {
                     replace(which);
                 }
                 operate(boss, which);
@@ -184,6 +189,7 @@ class CameraFuzzTest {
 
     private void replace(int which) throws IOException {
         count("left");
+        lookers.get(which).client.say("{'t':'bye'}").skipToBye("goodbye");
         lookers.get(which).client.close();
         lookers.set(which, new Looker());
     }
