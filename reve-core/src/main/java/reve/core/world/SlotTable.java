@@ -2,7 +2,6 @@ package reve.core.world;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
-import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 import org.jspecify.annotations.Nullable;
@@ -58,16 +57,7 @@ final class SlotTable {
      * though safe to make and to read; the slot's stamp tells.
      */
     TableSnapshot view() {
-        int rows = rowCount;
-        List<ColumnSnapshot> columns = new ArrayList<>(buffers.length);
-        for (int i = 0; i < buffers.length; i++) {
-            PropertyDescriptor property = properties.get(i);
-            MemorySegment copy = buffers[i].memory();
-            long fitting = copy.byteSize() / property.rowBytes();
-            columns.add(new ColumnSnapshot(property, copy, (int) Math.min(rows, fitting)));
-        }
-        return new TableSnapshot(kind, rows, physicsRowCount, columns.getFirst(),
-                columns.subList(1, columns.size()));
+        return new TableSnapshot(kind, rowCount, physicsRowCount, properties, buffers.clone());
     }
 
     private void letGo(int column) {

@@ -1,8 +1,11 @@
 package reve.core.world;
 
+import java.lang.foreign.MemorySegment;
+import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
+import org.jspecify.annotations.Nullable;
 
 /** A table as it was when a frame was published. One reading thread, read only. */
 public final class TableSnapshot implements TableView {
@@ -10,17 +13,21 @@ public final class TableSnapshot implements TableView {
     private final String kind;
     private final int rowCount;
     private final int physicsRowCount;
-    private final ColumnSnapshot ids;
-    private final List<ColumnSnapshot> columns;
+    /** The ids, then the columns. */
+    private final List<PropertyDescriptor> properties;
+    private final ColumnBuffers.Buffer[] buffers;
+    /** Made when they are asked for: few readers want all. */
+    private final @Nullable ColumnSnapshot[] made;
     private final Map<Long, Integer> rowById = new HashMap<>();
 
-    TableSnapshot(String kind, int rowCount, int physicsRowCount, ColumnSnapshot ids,
-            List<ColumnSnapshot> columns) {
+    TableSnapshot(String kind, int rowCount, int physicsRowCount,
+            List<PropertyDescriptor> properties, ColumnBuffers.Buffer[] buffers) {
         this.kind = kind;
         this.rowCount = rowCount;
         this.physicsRowCount = physicsRowCount;
-        this.ids = ids;
-        this.columns = columns;
+        this.properties = properties;
+        this.buffers = buffers;
+        this.made = new ColumnSnapshot[buffers.length];
     }
 
     @Override
@@ -40,19 +47,20 @@ public final class TableSnapshot implements TableView {
 
     /** (rows) ids of the items. */
     public ColumnSnapshot ids() {
-        return ids;
+        return column(0);
     }
 
     /** @throws IllegalArgumentException at times when the snapshot was lost */
     @Override
     public ItemId idAt(int row) {
-        return new ItemId(ids.getReference(row, 0));
+        return new ItemId(ids().getReference(row, 0));
     }
 
     /** The first call looks through all rows, later ones are quick. */
     @Override
     public int rowOf(ItemId id) {
         if (rowById.isEmpty()) {
+            ColumnSnapshot ids = ids();
             for (int row = 0; row < rowCount; row++) {
                 rowById.put(ids.getReference(row, 0), row);
             }
@@ -62,17 +70,33 @@ public final class TableSnapshot implements TableView {
 
     @Override
     public ColumnSnapshot column(String name) {
-        for (ColumnSnapshot column : columns) {
-            if (column.name().equals(name)) {
-                return column;
+        for (int i = 1; i < buffers.length; i++) {
+            if (properties.get(i).name().equals(name)) {
+                return column(i);
             }
         }
         throw new IllegalArgumentException("kind " + kind + " has no property " + name
-                + "; it has " + columns.stream().map(ColumnView::name).toList());
+                + "; it has " + columns().stream().map(ColumnView::name).toList());
     }
 
     @Override
     public List<ColumnSnapshot> columns() {
+        List<ColumnSnapshot> columns = new ArrayList<>(buffers.length - 1);
+        for (int i = 1; i < buffers.length; i++) {
+            columns.add(column(i));
+        }
         return columns;
+    }
+
+    private ColumnSnapshot column(int place) {
+        ColumnSnapshot column = made[place];
+        if (column == null) {
+            PropertyDescriptor property = properties.get(place);
+            MemorySegment copy = buffers[place].memory();
+            long fitting = copy.byteSize() / property.rowBytes();
+            column = new ColumnSnapshot(property, copy, (int) Math.min(rowCount, fitting));
+            made[place] = column;
+        }
+        return column;
     }
 }
