@@ -158,7 +158,7 @@ public final class AgentServer implements AutoCloseable {
                 }
             }
             for (Connection connection = toWrite.poll(); connection != null; connection = toWrite.poll()) {
-                connection.write();
+                connection.writeIfWanted();
             }
             if (closed && connections.isEmpty()) {
                 loop.stop();

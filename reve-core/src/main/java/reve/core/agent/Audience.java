@@ -122,7 +122,7 @@ final class Audience {
 
     /** Those with sensors who may hear of an event; valid until the next call. */
     Collection<Session> of(Mentions mentions, Observatory world) {
-        if (!mentions.namesItems()) {
+        if (mentions.items().isEmpty()) {
             return withSensors;
         }
         mayHear.clear();

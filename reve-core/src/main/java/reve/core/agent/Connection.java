@@ -334,6 +334,13 @@ final class Connection implements EventLoop.Handler {
 
     // ---- writing ----
 
+    /** Writes what has come since the last time. */
+    void writeIfWanted() {
+        if (toWrite.get()) {
+            write();
+        }
+    }
+
     /** Writes what waits, as far as the socket takes it. */
     void write() {
         toWrite.set(false);

@@ -1,5 +1,6 @@
 package reve.core.agent;
 
+import java.util.ArrayList;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
@@ -13,9 +14,9 @@ import reve.core.world.WorldEvent;
  * The items that an event is about, looked up once for all who may hear of it.
  *
  * @param byField what the fields name that name items; {@value #AGENT} stands for the agent's body
- * @param namesItems true if it is about items, not only about an agent
+ * @param items those that it is about, and not only because its agent has them as a body
  */
-record Mentions(Map<String, Mention> byField, boolean namesItems) {
+record Mentions(Map<String, Mention> byField, List<Mention> items) {
 
     static final String AGENT = "agent";
 
@@ -27,25 +28,21 @@ record Mentions(Map<String, Mention> byField, boolean namesItems) {
     /** @param bodyOf the body's name of an agent, by its name */
     static Mentions in(WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
         var byField = new HashMap<String, Mention>();
+        var items = new ArrayList<Mention>(2);
         event.fields().forEach((field, value) -> {
             if (ITEM_FIELDS.contains(field)) {
-                byField.put(field, mention(String.valueOf(value), world));
+                Mention item = mention(String.valueOf(value), world);
+                byField.put(field, item);
+                items.add(item);
             }
         });
-        boolean namesItems = !byField.isEmpty();
         Object agent = event.fields().get(AGENT);
         if (byField.containsKey("body")) {
             byField.put(AGENT, byField.get("body"));
         } else if (agent != null) {
             bodyOf.apply(String.valueOf(agent)).ifPresent(name -> byField.put(AGENT, mention(name, world)));
         }
-        return new Mentions(byField, namesItems);
-    }
-
-    /** All but the agent's body, unless that is named, too. */
-    List<Mention> items() {
-        return byField.entrySet().stream().filter(field -> !field.getKey().equals(AGENT)).map(Map.Entry::getValue)
-                .toList();
+        return new Mentions(byField, items);
     }
 
     private static Mention mention(String name, Observatory world) {

@@ -90,7 +90,7 @@ final class Senses {
             return Optional.empty();
         }
         var told = new BitSet();
-        boolean concerned = !mentions.namesItems();
+        boolean concerned = mentions.items().isEmpty();
         int place = 0;
         for (String field : event.fields().keySet()) {
             Mention mention = mentions.byField().get(field);

@@ -529,6 +529,14 @@ final class Session {
         return body;
     }
 
+    /** Writes what waits for the client, as far as its socket takes it. Event loop's thread. */
+    void write() {
+        Connection now = connection;
+        if (now != null) {
+            now.writeIfWanted();
+        }
+    }
+
     private void send(ServerMessage message) {
         Connection now = connection;
         if (now != null) {

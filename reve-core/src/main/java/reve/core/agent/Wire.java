@@ -42,7 +42,8 @@ interface Wire extends ByteChannel {
     /** See {@link #of}. */
     record Plain(SocketChannel channel) implements Wire {
 
-        private static final int SEND_BUFFER_BYTES = 64 * 1024;
+        /** What fills it is latency, and how long it takes to find out who does not read. */
+        private static final int SEND_BUFFER_BYTES = 32 * 1024;
 
         @Override
         public InetSocketAddress peer() throws IOException {
