@@ -3,10 +3,11 @@
 //   agents_load echo      PORT CLIENTS SECONDS BYTES
 //   agents_load lock-step PORT CLIENTS SECONDS json|msgpack
 //   agents_load stream    PORT CLIENTS SECONDS json|msgpack
-//   agents_load deaf      PORT CLIENTS SECONDS json|msgpack
+//   agents_load deaf      PORT CLIENTS 0       json|msgpack
 //
 // Client n is called a<n>, asks for the body a<n>, and pushes the item p<n>. CLIENTS is how many
-// there are, or FIRST+COUNT. Prints one JSON object, but for those that are deaf: they only ask.
+// there are, or FIRST+COUNT. Prints one JSON object, but for those that are deaf: they only ask,
+// and stay until the program's standard input ends.
 
 #include <arpa/inet.h>
 #include <netinet/tcp.h>
@@ -117,14 +118,13 @@ class Client {
 
   /// Reads what is there, waiting if nothing is. Returns the bytes read.
   size_t Read() {
-    const size_t old = pending_.size();
-    pending_.resize(old + kReadBytes);
+    char bytes[kReadBytes];
     errno = 0;
-    const ssize_t count = read(socket_, pending_.data() + old, kReadBytes);
+    const ssize_t count = read(socket_, bytes, sizeof bytes);
     if (count <= 0) {
-      Fail("client " + std::to_string(id_) + " was cut off; it had got: " + pending_.substr(0, old));
+      Fail("client " + std::to_string(id_) + " was cut off; it had got: " + pending_);
     }
-    pending_.resize(old + size_t(count));
+    pending_.append(bytes, size_t(count));
     return size_t(count);
   }
 
@@ -208,7 +208,8 @@ class Load {
 
   void Run() {
     if (wanted_.mode == "deaf") {
-      usleep(useconds_t(wanted_.seconds * 1e6));
+      while (std::getchar() != EOF) {
+      }
       return;
     }
     if (wanted_.mode == "echo") {
