@@ -2,7 +2,11 @@
 #include <unistd.h>
 
 #include <array>
+#include <chrono>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <thread>
 
 #include "test_kit.hpp"
 
@@ -166,6 +170,32 @@ TEST_P(ConcurrencyTest, NumberOfThreadsChangesNoBitOfManyLaws) {
   };
   const uint64_t expected = hash_on(1);
   for (const uint32_t threads : {2u, 3u, 8u}) EXPECT_EQ(hash_on(threads), expected) << threads;
+}
+
+/// Threads of this process that do not sleep, the calling one left out.
+size_t BusyThreads() {
+  size_t busy = 0;
+  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
+    if (task.path().filename() == std::to_string(gettid())) continue;
+    std::ifstream file(task.path() / "stat");
+    const std::string stat(std::istreambuf_iterator<char>(file), {});
+    const size_t name_end = stat.rfind(')');  // then a space and the state; empty: it has ended
+    busy += name_end != std::string::npos && stat[name_end + 2] != 'S';
+  }
+  return busy;
+}
+
+TEST(IdleTest, ThreadsSleepOnceTheStepsAreDone) {
+  Bodies bodies(20000);
+  TestEngine engine({.threads = 4});
+  engine.AddBodies(bodies);
+  engine.Load("field");
+  engine.Load("euler");
+  EXPECT_OK(engine.Advance(0.1, 10));
+  using namespace std::chrono;
+  const auto deadline = steady_clock::now() + duration<double>(kLong);
+  while (BusyThreads() > 0 && steady_clock::now() < deadline) std::this_thread::yield();
+  EXPECT_EQ(BusyThreads(), 0u);
 }
 
 }  // namespace

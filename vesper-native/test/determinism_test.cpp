@@ -57,6 +57,18 @@ TEST(ParallelForTest, EveryEngineHasTheThreadsItAskedForWhateverTheMachineHas) {
   }
 }
 
+TEST(ParallelForTest, RangesBehindOneThatTakesLongAreDoneByOtherThreads) {
+  const double ranges = 16;
+  for (double held = 0; held < ranges; ++held) {
+    SCOPED_TRACE(held);
+    Bodies bodies(1);
+    TestEngine engine({.threads = 2});
+    engine.AddBodies(bodies);
+    engine.Load("held_range", {{"held", held}, {"ranges", ranges}});
+    EXPECT_OK(engine.Advance(0.1, 1));
+  }
+}
+
 TEST(ParallelForTest, GrainIsPartOfTheResult) {
   // Or the tests above would pass with a law that does not notice its chunks.
   EXPECT_NE(HashAfter("field", {}, 1), HashAfter("field_by_100", {}, 1)) << "seed " << kSeed;
