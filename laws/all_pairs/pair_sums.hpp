@@ -3,6 +3,8 @@
 
 #include <cstdint>
 
+#include "all_pairs/instruction_set.hpp"
+
 namespace vesper {
 
 /// Bodies side by side, one line of the cache per quantity.
@@ -18,12 +20,6 @@ struct alignas(64) SumPacket {
   static constexpr uint64_t kSize = 64 / sizeof(Real);
   Real x[kSize], y[kSize], z[kSize];
 };
-
-/// What the loops are compiled for.
-enum class InstructionSet { kBaseline, kAvx2, kAvx512 };
-
-/// The best one that this processor has.
-InstructionSet BestInstructionSet();
 
 /// Where a pair's 1/r comes from.
 enum class ReciprocalRoot {

@@ -1,15 +1,15 @@
-#include <algorithm>
-
+#include "moves.hpp"
 #include "vesper/law.hpp"
 
 namespace {
 
 using namespace vesper;
+using newton_motion::AvailableMoves;
+using newton_motion::Bodies;
+using newton_motion::Moves;
 
-// Bodies that a thread takes at once: enough to be worth waking it.
-constexpr uint64_t kGrain = 4096;
-// Bodies whose masses are looked at before they move.
-constexpr uint64_t kBlock = 64;
+// Bodies that a thread takes at once, and so few that waking another is not worth it.
+constexpr uint64_t kGrain = 2048, kFew = 4096;
 
 /** Semi-implicit Euler: v' = v + (F/m) dt, then x' = x + v' dt. */
 template <class Real>
@@ -30,9 +30,11 @@ struct NewtonMotion {
 
   void Advance(const Step& step) {
     const auto dt = static_cast<Real>(step.dt);
-    step.ParallelFor(mass.size(), kGrain, [&](uint64_t begin, uint64_t end) {
+    const Bodies<Real> bodies{mass.data(), force.data(), velocity.data(), position.data()};
+    const uint64_t grain = mass.size() <= kFew ? kFew : kGrain;
+    step.ParallelFor(mass.size(), grain, [&](uint64_t begin, uint64_t end) {
       if (acceleration.present()) Accelerate(begin, end);
-      Move(begin, end, dt);
+      compiled_.move(bodies, begin, end, dt);
     });
   }
 
@@ -42,41 +44,8 @@ struct NewtonMotion {
     }
   }
 
-  void Move(uint64_t begin, uint64_t end, Real dt) const {
-    for (; end - begin >= kBlock; begin += kBlock) {
-      uint32_t immovable = 0;
-      for (uint64_t i = begin; i < begin + kBlock; ++i) immovable += mass[i] == 0;
-      if (immovable == 0) {
-        MoveBlock(begin, dt);
-      } else {
-        MoveEach(begin, begin + kBlock, dt);
-      }
-    }
-    MoveEach(begin, end, dt);
-  }
-
-  void MoveEach(uint64_t begin, uint64_t end, Real dt) const {
-    for (uint64_t i = begin; i < end; ++i) {
-      if (mass[i] == 0) continue;
-      velocity[i] += force[i] * (1 / mass[i]) * dt;
-      position[i] += velocity[i] * dt;
-    }
-  }
-
-  /** The same for a block in which no mass is 0, component by component, for the compiler to work on
-   *  several of them at once. */
-  void MoveBlock(uint64_t begin, Real dt) const {
-    Real inverse[3 * kBlock];
-    for (uint64_t i = 0; i < kBlock; ++i) {
-      inverse[3 * i] = inverse[3 * i + 1] = inverse[3 * i + 2] = 1 / mass[begin + i];
-    }
-    const Real* __restrict f = &force[begin].x;
-    Real *__restrict v = &velocity[begin].x, *__restrict x = &position[begin].x;
-    for (uint64_t j = 0; j < 3 * kBlock; ++j) {
-      v[j] += f[j] * inverse[j] * dt;
-      x[j] += v[j] * dt;
-    }
-  }
+ private:
+  const Moves<Real> compiled_ = AvailableMoves<Real>().front();
 };
 
 }  // namespace
