@@ -81,7 +81,8 @@ struct HookeSpring {
     const Real* column = nullptr;
     uint64_t version = 0;
     bool stale = false;  // perhaps
-    std::vector<Real> rows, slots;
+    std::vector<Real> rows;
+    LargeArray<Real> slots;
   };
 
   void BuildTiles() {
@@ -144,30 +145,33 @@ struct HookeSpring {
     Forces<Real>* forces = forces_.get() + place * tiles_.most_slots() / kBatch;
     compiled_.take(position.data(), velocity.data(), position.size(), nullptr, tile.first_body,
                    tile.body_count, motions);
-    compiled_.take(position.data(), velocity.data(), position.size(),
-                   tiles_.others().data() + tile.first_other, 0, tile.other_count,
-                   motions + tile.body_count);
-    compiled_.pull(SpringsOf(tile), motions, forces);
-    compiled_.sum(forces, tiles_.pulls().data() + tile.first_pull,
-                  tiles_.pull_ends().data() + 2 * uint64_t{tile.first_body}, tile.body_count,
-                  &force[tile.first_body]);
+    for (uint64_t i = 0; i < tile.part_count; ++i) {
+      const Part& part = tiles_.parts()[tile.first_part + i];
+      compiled_.take(position.data(), velocity.data(), position.size(),
+                     tiles_.others().data() + part.first_other, 0, part.other_count,
+                     motions + tile.body_count);
+      compiled_.pull(SpringsOf(part), motions, forces);
+      compiled_.sum(forces, tiles_.pulls().data() + part.first_pull,
+                    tiles_.pull_counts().data() + part.first_count, tile.body_count,
+                    &force[tile.first_body]);
+    }
   }
 
-  TileSprings<Real> SpringsOf(const Tile& tile) const {
+  TileSprings<Real> SpringsOf(const Part& part) const {
     TileSprings<Real> springs{};
-    springs.count = tile.slot_count;
-    springs.first_ends = tiles_.first_ends().data() + tile.first_slot;
-    springs.second_ends = tiles_.second_ends().data() + tile.first_slot;
+    springs.count = part.slot_count;
+    springs.first_ends = tiles_.first_ends().data() + part.first_slot;
+    springs.second_ends = tiles_.second_ends().data() + part.first_slot;
     if (tiles_.in_row_order()) {
-      springs.rows = tiles_.rows().data() + tile.first_slot;
-      springs.first_rows = tiles_.first_rows().data() + tile.first_slot / kBatch;
+      springs.rows = tiles_.rows().data() + part.first_slot;
+      springs.first_rows = tiles_.first_rows().data() + part.first_slot / kBatch;
       springs.length = length.data();
       springs.hooke = hooke_constant.data();
       springs.damping = damping_constant.data();
     } else {
-      springs.length = copies_[0].slots.data() + tile.first_slot;
-      springs.hooke = copies_[1].slots.data() + tile.first_slot;
-      if (damping_constant.present()) springs.damping = copies_[2].slots.data() + tile.first_slot;
+      springs.length = copies_[0].slots.data() + part.first_slot;
+      springs.hooke = copies_[1].slots.data() + part.first_slot;
+      if (damping_constant.present()) springs.damping = copies_[2].slots.data() + part.first_slot;
     }
     return springs;
   }
