@@ -293,9 +293,7 @@ final class ItemReader {
         });
         node.get("semantic").ifPresent(aspect -> readSymbols(aspect, item));
         node.get("physics").ifPresent(aspect -> readPhysics(aspect, kind, item));
-        for (Node capability : node.get("capabilities").map(Node::children).orElse(List.of())) {
-            capability.text().ifPresent(item::capability);
-        }
+        node.get("capabilities").ifPresent(all -> readCapabilities(all, item));
         var owner = new ActionReader.Owner(item.name(), kind, hasPhysics);
         for (Node action : node.get("access").map(Node::children).orElse(List.of())) {
             Optional<Action> read = actions.read(action, owner);
@@ -308,6 +306,16 @@ final class ItemReader {
                 problems.addAtKey(all, "only items of kind body have `sensors`, this is a " + kind);
             }
         });
+    }
+
+    private static void readCapabilities(Node all, ItemDefinition.Builder item) {
+        for (Node capability : all.children()) {
+            try {
+                capability.text().ifPresent(item::capability);
+            } catch (IllegalArgumentException noName) {
+                // the schema has told so
+            }
+        }
     }
 
     private void readSymbols(Node aspect, ItemDefinition.Builder item) {

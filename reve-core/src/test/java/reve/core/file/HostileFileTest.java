@@ -47,6 +47,19 @@ class HostileFileTest {
                 attack("deep lists", "a: " + "[".repeat(4_000_000), "1:35: " + deep),
                 attack("deep mappings", "{a: ".repeat(1_000_000), "1:129: " + deep),
                 attack("deep blocks", blocks(2000), "33:33: " + deep),
+                attack("deep lists in an item", START + "items:\n- name: a\n  semantic: {x: "
+                        + "[".repeat(1_000_000), "5:45: " + deep),
+                attack("anchor in a prefab", START + "prefabs:\n  a: &a {kind: body}\n  b: *a\n",
+                        "4:6: anchors (`&a`) are not allowed; write values out where they are "
+                                + "used"),
+                attack("long formula", START + "items:\n- name: a{i}\n  repeat: 3\n  physical: "
+                        + "{location: [\"{" + "(".repeat(600) + "}\", 0, 0]}\n",
+                        "6:25: location[0]: formula `" + "(".repeat(47)
+                                + "…` is longer than 512 characters"),
+                attack("eight times 10^7", START + "items:\n- name: a-{a}\n  repeat: {a: 10000000, "
+                        + "b: 10000000, c: 10000000, d: 10000000, e: 10000000, f: 10000000, "
+                        + "g: 10000000, h: 10000000}\n", "4:3: more than 10000000 values in all "
+                                + "items with what they are like and their repetitions"),
                 attack("dashes on a line", "- ".repeat(500_000), "1:1: " + piece),
                 attack("one long word", "x".repeat(4_000_000), "1:1: " + piece),
                 attack("blanks", " ".repeat(4_000_000), "1:1: " + piece),

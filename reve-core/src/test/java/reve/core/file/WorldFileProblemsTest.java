@@ -112,6 +112,7 @@ class WorldFileProblemsTest {
             semantic: {a: {}}                           ! 17 ! a: found a mapping, expected a text, a number, true or false or a list
             semantic: {a: [[1]]}                        ! 18 ! a[0]: found a list of 1, expected a text, a number or true or false
             semantic: {'a b': 1}                        ! 14 ! `a b` is not a name; expected a letter, then letters, digits, - or _, at most 64 in all
+            capabilities: [grip, ' ']                   ! 24 ! capabilities[1]: found text ` `, expected a letter, then letters, digits, - or _, at most 64 in all
             access: {push: {}}                          ! 12 ! an action has either `effects` or `java`
             access: {push: {effects: []}}               ! 28 ! effects: found a list of 0, expected at least 1 in it
             access: {push: {effects: [{}]}}             ! 29 ! effects[0]: an effect is exactly one of `impulse`, `force`, `set`, `symbol`, `attach`, `detach`, `create`, `remove`, `raise`, found 0

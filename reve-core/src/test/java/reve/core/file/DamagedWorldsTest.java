@@ -1,0 +1,98 @@
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.fail;
+
+import java.io.IOException;
+import java.nio.charset.StandardCharsets;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Random;
+import org.junit.jupiter.api.Test;
+import reve.core.world.OffHeapArena;
+import reve.core.world.World;
+
+/**
+ * Worlds of the project in which keys and values of all types are where they do not belong: refused
+ * with places and reasons, or right and buildable. The seed is printed; give it back with
+ * {@code -Dreve.test.seed=N}.
+ */
+class DamagedWorldsTest {
+    private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 300);
+    /** Larger ones would say nothing new, slowly. */
+    private static final int MAX_LENGTH = 6000;
+
+    @Test
+    void damageIsToldWithItsPlaceOrDoesNotKeepAWorldFromBeingBuilt() throws IOException {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("DamagedWorldsTest seed " + seed);
+        var random = new Random(seed);
+        List<Object> worlds = new ArrayList<>();
+        for (Object world : WorldTrees.worlds().values()) {
+            if (WorldTrees.json(world).length() < MAX_LENGTH && isRight(world)) {
+                worlds.add(world);
+            }
+        }
+        assertThat(worlds).as("small worlds of the project that need no files")
+                .hasSizeGreaterThan(4);
+        int refused = 0;
+        for (int i = 0; i < MUTANTS; i++) {
+            Object mutant = WorldTrees.copy(worlds.get(random.nextInt(worlds.size())));
+            for (int changes = 1 + random.nextInt(3); changes > 0; changes--) {
+                WorldTrees.mutate(mutant, random);
+            }
+            String text = text(mutant);
+            try {
+                refused += isRefusedWithPlaces(text) ? 1 : 0;
+            } catch (RuntimeException | Error crash) {
+                fail("seed " + seed + ", mutant " + i + "\n" + text, crash);
+            }
+        }
+        assertThat(refused).as("seed %d", seed).isBetween(MUTANTS / 4, MUTANTS * 19 / 20);
+    }
+
+    private static boolean isRight(Object world) {
+        try {
+            WorldFile.parse("w", text(world).getBytes(StandardCharsets.UTF_8));
+            return true;
+        } catch (WorldFileException needsFiles) {
+            return false;
+        }
+    }
+
+    private static boolean isRefusedWithPlaces(String text) {
+        int lines = (int) text.lines().count();
+        try (var arena = new OffHeapArena()) {
+            World built = WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8)).build(arena);
+            assertThat(built.items()).isNotEmpty();
+            return false;
+        } catch (WorldFileException refused) {
+            assertThat(refused.problems()).isNotEmpty().isSorted()
+                    .hasSizeLessThanOrEqualTo(Problems.MAX_REPORTED + 1);
+            for (Problem problem : refused.problems()) {
+                assertThat(problem.line()).as("%s", problem).isBetween(1, lines);
+                assertThat(problem.column()).as("%s", problem).isBetween(1,
+                        text.lines().skip(problem.line() - 1).findFirst().orElseThrow().length() + 1);
+                assertThat(problem.message()).isNotBlank().hasSizeLessThan(1500)
+                        .doesNotContainPattern("\\p{Cc}");
+            }
+            return true;
+        }
+    }
+
+    /** A line for each key of the world, and for each item. */
+    private static String text(Object world) {
+        var text = new StringBuilder();
+        ((Map<?, ?>) world).forEach((key, value) -> {
+            text.append(WorldTrees.json(key)).append(':');
+            if (value instanceof List<?> list && !list.isEmpty()) {
+                list.forEach(element -> text.append("\n  - ").append(WorldTrees.json(element)));
+                text.append('\n');
+            } else {
+                text.append(' ').append(WorldTrees.json(value)).append('\n');
+            }
+        });
+        return text.toString();
+    }
+}
