@@ -32,6 +32,8 @@ final class ObjMeshReader {
     private final MeshAssembler mesh;
     private final Map<String, Material> materials = new HashMap<>();
     private final Map<Corner, Integer> vertices = new HashMap<>();
+    /** Of the face that is being read. */
+    private Material material = Material.DEFAULT;
 
     /** Which of the file's positions, texture coordinates and normals a vertex has; -1 for none. */
     private record Corner(int position, int coordinates, int normal) {}
@@ -124,7 +126,7 @@ final class ObjMeshReader {
     }
 
     private void add(ObjFace face) throws AssetException {
-        Material material = materials.getOrDefault(materialName(face), Material.DEFAULT);
+        followMaterial(face);
         mesh.reserve(0, face.getNumVertices() - 2L);
         int first = vertex(face, 0);
         int previous = vertex(face, 1);
@@ -135,9 +137,12 @@ final class ObjMeshReader {
         }
     }
 
-    private String materialName(ObjFace face) {
+    /** The library names a material at the first face only that is in it. */
+    private void followMaterial(ObjFace face) {
         @Nullable String name = obj.getActivatedMaterialGroupName(face);
-        return name == null ? "" : name;
+        if (name != null) {
+            material = materials.getOrDefault(name, Material.DEFAULT);
+        }
     }
 
     private int vertex(ObjFace face, int at) throws AssetException {

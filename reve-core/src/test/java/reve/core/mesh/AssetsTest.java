@@ -182,6 +182,32 @@ class AssetsTest {
     }
 
     @Test
+    void aMaterialOfAnObjFileHoldsUpToTheNextOne() throws Exception {
+        Files.writeString(folder.resolve("paint.mtl"), "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\n");
+        Mesh mesh = mesh("corner.obj", """
+                mtllib paint.mtl
+                v 0 0 0
+                v 1 0 0
+                v 0 1 0
+                v 0 0 1
+                f 1 2 3
+                usemtl red
+                f 1 3 2
+                f 1 2 4
+                g side
+                f 1 4 3
+                usemtl green
+                f 2 3 4
+                f 2 4 3
+                usemtl unknown
+                f 1 2 3
+                """);
+        assertThat(mesh.parts()).extracting(Mesh.Part::triangleCount).containsExactly(1, 3, 2, 1);
+        assertThat(mesh.parts()).extracting(part -> part.material().colour().toString())
+                .containsExactly("#ffffffff", "#ff0000ff", "#00ff00ff", "#ffffffff");
+    }
+
+    @Test
     void itemsOfOneFileShareOneMesh() throws Exception {
         Files.writeString(folder.resolve("t.obj"), "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
         Files.write(folder.resolve("t.png"), png(1, 1, 0));
