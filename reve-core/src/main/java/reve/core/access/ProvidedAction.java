@@ -1,7 +1,6 @@
 package reve.core.access;
 
 import java.util.List;
-import java.util.Optional;
 import java.util.ServiceLoader;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
@@ -12,13 +11,11 @@ import reve.core.world.Parameter;
 public record ProvidedAction(String name, String doc, Terms terms, ActionProvider provider)
         implements Action {
 
-    /** The provider of that name on the class path. */
-    public static Optional<ActionProvider> find(String providerName) {
-        return providers().stream().filter(provider -> provider.name().equals(providerName))
-                .findFirst();
-    }
-
-    /** All providers on the class path, in its order. */
+    /**
+     * All providers on the class path, in its order.
+     *
+     * @throws java.util.ServiceConfigurationError if one cannot be loaded
+     */
     public static List<ActionProvider> providers() {
         return ServiceLoader.load(ActionProvider.class).stream()
                 .map(ServiceLoader.Provider::get).toList();

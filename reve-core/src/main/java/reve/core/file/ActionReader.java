@@ -6,6 +6,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.ServiceConfigurationError;
 import reve.core.access.ActionProvider;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
@@ -81,10 +82,18 @@ final class ActionReader {
     private Optional<Action> provided(Node node, Node java, Owner owner) {
         node.get("parameters").ifPresent(parameters -> problems.addAtKey(parameters,
                 "an action in Java declares its parameters itself"));
-        Optional<ActionProvider> provider = java.text().flatMap(ProvidedAction::find);
+        List<ActionProvider> providers;
+        try {
+            providers = ProvidedAction.providers();
+        } catch (ServiceConfigurationError broken) {
+            problems.add(java, "java: the actions on the class path cannot be read: "
+                    + broken.getMessage());
+            return Optional.empty();
+        }
+        Optional<ActionProvider> provider = providers.stream()
+                .filter(each -> each.name().equals(java.text().orElse(""))).findFirst();
         if (provider.isEmpty()) {
-            List<String> names = ProvidedAction.providers().stream()
-                    .map(ActionProvider::name).toList();
+            List<String> names = providers.stream().map(ActionProvider::name).toList();
             java.text().ifPresent(name -> problems.add(java, "java: no action `"
                     + Node.shorten(name) + "` is on the class path; there "
                     + (names.isEmpty() ? "is none" : "are " + String.join(", ", names))

@@ -1,5 +1,7 @@
 package reve.core.file;
 
+import java.io.IOException;
+import java.io.StringReader;
 import java.util.ArrayDeque;
 import java.util.ArrayList;
 import java.util.Deque;
@@ -70,7 +72,8 @@ final class YamlReader {
         var settings = LoadSettings.builder().setCodePointLimit(Integer.MAX_VALUE).build();
         var reader = new YamlReader(problems, values);
         try {
-            Iterator<Event> events = new Parse(settings).parseString(text).iterator();
+            Iterator<Event> events =
+                    new Parse(settings).parseReader(new WholeCharacters(text)).iterator();
             while (events.hasNext()) {
                 reader.take(events.next());
             }
@@ -84,6 +87,21 @@ final class YamlReader {
             throw problems.fatal(1, 1, "not valid YAML: " + other.getMessage());
         }
         return reader.requireRoot();
+    }
+
+    /**
+     * Leaves one place of the buffer free, where the library puts the second half of a surrogate
+     * pair that the buffer would end in.
+     */
+    private static final class WholeCharacters extends StringReader {
+        WholeCharacters(String text) {
+            super(text);
+        }
+
+        @Override
+        public int read(char[] buffer) throws IOException {
+            return read(buffer, 0, buffer.length - 1);
+        }
     }
 
     private void take(Event event) throws WorldFileException {

@@ -134,6 +134,17 @@ class HostileFileTest {
         assertThat(refused).hasMessage("w:" + message);
     }
 
+    /** The YAML library reads pieces of 1,025 characters, and such a character is two of them. */
+    @Test
+    void charactersBeyond16BitsMayStandAnywhere() throws WorldFileException {
+        for (int before = 1000; before < 1050; before++) {
+            String doc = "x".repeat(before) + "\ud83d\ude00".repeat(3000);
+            String text = START + "doc: " + doc + "\n";
+            assertThat(WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8)).doc())
+                    .isEqualTo(doc);
+        }
+    }
+
     @Test
     void bytesThatAreNotUtf8AreRefusedWhereTheyStand() {
         assertThat(refused(new byte[] {'a', ':', '\n', 'b', (byte) 0xff}))
