@@ -95,6 +95,28 @@ class DocumentExamplesIT {
     }
 
     @Test
+    void anActionInJavaIsFoundInAJarAsActionsSays() throws Exception {
+        Path source = Files.createDirectory(folder.resolve("example")).resolve("Levitate.java");
+        Files.writeString(source, blocks("actions.md", "java"));
+        Path services = Files.createDirectories(folder.resolve("META-INF/services"));
+        Files.writeString(services.resolve("reve.core.access.ActionProvider"), "example.Levitate\n");
+        Files.writeString(folder.resolve("lift.yaml"), """
+                reve: 1
+                name: lift
+                items: [{name: stone, access: {lift: {java: example.levitate}}}]
+                """);
+        String bin = System.getProperty("java.home") + "/bin/";
+
+        var shell = new Shell(folder);
+        shell.run(bin + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core.jar\" -d . example/Levitate.java\n"
+                + bin + "jar --create --file levitate.jar example META-INF\n"
+                + "! \"$REVE/reve\" check lift.yaml\n");
+
+        assertThat(shell.run("REVE_CLASSPATH=levitate.jar \"$REVE/reve\" check lift.yaml"))
+                .contains("valid, 1 items");
+    }
+
+    @Test
     void aWorldWithAMeshATextureAndADensityIsReadAsMeshesSays() throws Exception {
         Path handle = Project.WORLDS.resolve("t-handle");
         Files.createDirectory(folder.resolve("models"));
