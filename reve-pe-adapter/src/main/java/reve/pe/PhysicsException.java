@@ -3,8 +3,8 @@ package reve.pe;
 import java.util.OptionalLong;
 
 /**
- * An engine refused a call or a law failed. The message is one line that names the thing, what was
- * found and what was expected.
+ * An engine refused a call or a law failed. The message is one line for each, that names the thing,
+ * what was found and what was expected.
  */
 public final class PhysicsException extends RuntimeException {
     private static final long serialVersionUID = 1L;

@@ -99,7 +99,8 @@ class DocumentExamplesIT {
         Path source = Files.createDirectory(folder.resolve("example")).resolve("Levitate.java");
         Files.writeString(source, blocks("actions.md", "java"));
         Path services = Files.createDirectories(folder.resolve("META-INF/services"));
-        Files.writeString(services.resolve("reve.core.access.ActionProvider"), "example.Levitate\n");
+        Files.writeString(services.resolve("reve.core.access.ActionProvider"),
+                "example.Levitate\n");
         Files.writeString(folder.resolve("lift.yaml"), """
                 reve: 1
                 name: lift
@@ -108,7 +109,8 @@ class DocumentExamplesIT {
         String bin = System.getProperty("java.home") + "/bin/";
 
         var shell = new Shell(folder);
-        shell.run(bin + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core.jar\" -d . example/Levitate.java\n"
+        shell.run(bin + "javac -proc:none -cp \"$REVE/build/stage/lib/reve-core.jar\" -d . "
+                + "example/Levitate.java\n"
                 + bin + "jar --create --file levitate.jar example META-INF\n"
                 + "! \"$REVE/reve\" check lift.yaml\n");
 

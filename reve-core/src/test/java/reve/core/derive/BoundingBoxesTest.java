@@ -49,7 +49,7 @@ class BoundingBoxesTest {
         }
     }
 
-    /** Around the mesh's own box, turned: all vertices are in it; by quarter turns, as close as can be. */
+    /** Around the mesh's own box, turned; after quarter turns that is as close as can be. */
     @ParameterizedTest
     @CsvSource({"si-f64, 1e-12", "si-f32, 1e-5"})
     void holdEveryVertexOfATurnedMeshAndTouchThemAfterQuarterTurns(String prototype,
@@ -71,7 +71,7 @@ class BoundingBoxesTest {
             double[] high = item.physical().boundsMax();
             for (int axis = 0; axis < 3; axis++) {
                 String what = "seed " + seed + " " + item + " axis " + axis;
-                assertThat(vertices[0][axis]).as(what).isGreaterThanOrEqualTo(low[axis] - tolerance);
+                assertThat(low[axis]).as(what).isLessThanOrEqualTo(vertices[0][axis] + tolerance);
                 assertThat(vertices[1][axis]).as(what).isLessThanOrEqualTo(high[axis] + tolerance);
                 if (quarters) {
                     assertThat(low[axis]).as(what).isCloseTo(vertices[0][axis], within(tolerance));

@@ -72,8 +72,8 @@ class DamagedWorldsTest {
                     .hasSizeLessThanOrEqualTo(Problems.MAX_REPORTED + 1);
             for (Problem problem : refused.problems()) {
                 assertThat(problem.line()).as("%s", problem).isBetween(1, lines);
-                assertThat(problem.column()).as("%s", problem).isBetween(1,
-                        text.lines().skip(problem.line() - 1).findFirst().orElseThrow().length() + 1);
+                String line = text.lines().skip(problem.line() - 1).findFirst().orElseThrow();
+                assertThat(problem.column()).as("%s", problem).isBetween(1, line.length() + 1);
                 assertThat(problem.message()).isNotBlank().hasSizeLessThan(1500)
                         .doesNotContainPattern("\\p{Cc}");
             }

@@ -52,7 +52,8 @@ class SchemaAgreementTest {
     void theMistakesInTheDocumentsAreShown() throws IOException {
         String mistakes = WorldTrees.blocks().values().stream()
                 .filter(text -> text.contains("name: mistakes")).findFirst().orElseThrow();
-        assertThat(saidBy(FILE, WorldTrees.loaded(mistakes))).anyMatch(error -> error.startsWith("/prototyp"));
+        assertThat(saidBy(FILE, WorldTrees.loaded(mistakes)))
+                .anyMatch(error -> error.startsWith("/prototyp"));
     }
 
     /** Seed printed; {@code -Dreve.test.seed=N} gives it back. */

@@ -17,14 +17,15 @@ import org.snakeyaml.engine.v2.api.LoadSettings;
 import org.snakeyaml.engine.v2.schema.CoreSchema;
 import tools.jackson.databind.json.JsonMapper;
 
-/** The project's own world files as trees of maps, lists and values, and what damage makes of them. */
+/** The project's own world files as trees of maps, lists and values, and damage to them. */
 final class WorldTrees {
     private static final Pattern YAML_BLOCK =
             Pattern.compile("^```yaml[^\n]*\n(.*?)^```", Pattern.MULTILINE | Pattern.DOTALL);
     /** What any value may turn into. */
     private static final List<Object> OTHERS = List.of(0, 1, -1, 3.0, 1.5, 1e300, -1e-320,
             99_999_999_999L, true, "", " ", "x", "1 m", "1 kg", "-3 0 1e9 km/h", "[1, 2] m",
-            "x".repeat(200), "\t", "\u202e", "\ud83d\ude00", "world", "body", "actor", "{i}", "{", "{1/0}",
+            "x".repeat(200), "\t", "\u202e", "\ud83d\ude00", "world", "body", "actor", "{i}",
+            "{", "{1/0}",
             "{[1, 2]}", "$p", "$", "$1 / 0", "physics.mass > 1", "semantic.x", "item.name", "../x",
             "/dev/zero", "x://y", "#ff0000", List.of(), List.of(1), List.of("x"), List.of(1, 2, 3),
             List.of(0, 0, 0, 0), List.of(List.of(0, 0, 0), List.of(1, 0, 0), List.of(0, 1, 0)),
@@ -32,8 +33,8 @@ final class WorldTrees {
             Map.of("i", 3, "j", 2), Map.of("mass", 1));
 
     private static final List<String> KEYS = List.of("x", "Ä", "a b", "-", "0", "", "name", "like",
-            "kind", "parent", "repeat", "physical", "semantic", "access", "physics", "sensors", "shape",
-            "location", "density", "mass", "end1", "when", "needs", "effects");
+            "kind", "parent", "repeat", "physical", "semantic", "access", "physics", "sensors",
+            "shape", "location", "density", "mass", "end1", "when", "needs", "effects");
 
     private WorldTrees() {}
 

@@ -183,7 +183,8 @@ class AssetsTest {
 
     @Test
     void aMaterialOfAnObjFileHoldsUpToTheNextOne() throws Exception {
-        Files.writeString(folder.resolve("paint.mtl"), "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\n");
+        Files.writeString(folder.resolve("paint.mtl"),
+                "newmtl red\nKd 1 0 0\nnewmtl green\nKd 0 1 0\n");
         Mesh mesh = mesh("corner.obj", """
                 mtllib paint.mtl
                 v 0 0 0
