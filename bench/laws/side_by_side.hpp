@@ -75,9 +75,10 @@ class Series {
   std::vector<double> wall_, processor_;
 };
 
-/// Calls that take about so many seconds.
+/// Calls that take about so many seconds. The first one, which may have a lot to prepare, says nothing.
 template <class Action>
 uint64_t Calibrate(Action& action, double seconds) {
+  action();
   uint64_t calls = 1;
   while (Series(calls).Measure(action) < seconds / 2) calls *= 2;
   return calls;
