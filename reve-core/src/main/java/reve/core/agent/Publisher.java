@@ -232,7 +232,7 @@ final class Publisher {
         for (Session member : members.values()) {
             PerceptionRequests perceptions = member.perceptions();
             if (perceptions.isDue(everything.frame()) && !perceptions.serve(everything.frame(),
-                    relations -> relations ? observatory.withRelations(look(member), snapshot)
+                    relations -> relations ? member.relate(look(member), observatory, snapshot)
                             : Optional.of(look(member)))) {
                 return; // overwritten while we read: the next frame is here already
             }

@@ -50,6 +50,11 @@ final class Seen {
         return shown;
     }
 
+    /** Empty unless the agent asked for them. */
+    Map<String, List<String>> relations() {
+        return relations;
+    }
+
     ItemId id() {
         return item.source().id();
     }

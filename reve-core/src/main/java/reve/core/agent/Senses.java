@@ -1,14 +1,23 @@
 package reve.core.agent;
 
+import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.BitSet;
+import java.util.Comparator;
+import java.util.HashMap;
+import java.util.HashSet;
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.TreeMap;
+import java.util.stream.Collectors;
 import reve.core.agent.Mentions.Mention;
 import reve.core.world.ItemId;
 import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
+import reve.core.world.WorldSnapshot;
 
 /** What one agent perceives through its body's sensors, each at its own pace. The event loop's thread. */
 final class Senses {
@@ -20,6 +29,8 @@ final class Senses {
     /** By sensor; all there once the agent has looked. */
     private final Sample[] samples;
     private View view = new View(0, 0, List.of());
+    /** Relations of what was not sensed since. */
+    private Map<ItemId, Map<String, List<String>>> related = Map.of();
 
     /** What a sensor last sensed. */
     private record Sample(long frame, List<Seen> items) {}
@@ -58,27 +69,78 @@ final class Senses {
         return view;
     }
 
-    /** Of an item that several sensors sense, the newest is shown, with what all of them show. */
+    /**
+     * What {@link #look} says, with the relations of each item as of when a sensor that tells symbols sensed it last.
+     *
+     * @return empty if the snapshot was lost meanwhile
+     */
+    Optional<View> relate(View seenNow, Observatory world, WorldSnapshot snapshot) {
+        Optional<View> now = world.withRelations(seenNow, snapshot);
+        if (sensors.stream().allMatch(sensor -> sensor.every() == 1)) {
+            return now;
+        }
+        return now.map(all -> {
+            Set<ItemId> fresh = sensedIn(all.frame());
+            var names = all.items().stream().map(Seen::name).collect(Collectors.toSet());
+            var items = new ArrayList<Seen>();
+            var known = new HashMap<ItemId, Map<String, List<String>>>();
+            for (Seen seen : all.items()) {
+                Seen told = fresh.contains(seen.id()) ? seen : seen.with(among(names, seen.id()));
+                items.add(told);
+                known.put(told.id(), told.relations());
+            }
+            related = known;
+            return new View(all.frame(), all.time(), List.copyOf(items));
+        });
+    }
+
+    private Set<ItemId> sensedIn(long frame) {
+        var ids = new HashSet<ItemId>();
+        for (Sample sample : samples) {
+            if (sample.frame == frame) {
+                sample.items.stream().filter(seen -> seen.shown().has(Sensor.Aspect.SEMANTIC)).map(Seen::id)
+                        .forEach(ids::add);
+            }
+        }
+        return ids;
+    }
+
+    /** The relations that are known of an item, to what is still perceived. */
+    private Map<String, List<String>> among(Set<String> names, ItemId item) {
+        var relations = new LinkedHashMap<String, List<String>>();
+        related.getOrDefault(item, Map.of()).forEach((relation, others) ->
+                relations.put(relation, others.stream().filter(names::contains).toList()));
+        return relations;
+    }
+
+    /** By the items' ids. */
     private static List<Seen> merge(Sample[] samples) {
         if (samples.length == 1) {
             return samples[0].items;
         }
-        var newest = new TreeMap<ItemId, Sample>();
+        Sample[] newestFirst = samples.clone();
+        Arrays.sort(newestFirst, Comparator.comparingLong(Sample::frame).reversed());
         var merged = new TreeMap<ItemId, Seen>();
-        for (Sample sample : samples) {
+        for (Sample sample : newestFirst) {
             for (Seen seen : sample.items) {
-                Sample other = newest.get(seen.id());
-                boolean newer = other == null || sample.frame > other.frame;
-                if (newer) {
-                    newest.put(seen.id(), sample);
-                }
-                merged.merge(seen.id(), seen, (a, b) -> {
-                    Seen shown = newer ? b : a;
-                    return new Seen(shown.item(), shown.place(), a.shown().and(b.shown()), Map.of());
-                });
+                merged.merge(seen.id(), seen, Senses::merge);
             }
         }
         return List.copyOf(merged.values());
+    }
+
+    /**
+     * What two sensors sense of an item. What the older one adds is as it was then: nobody is told what no sensor of
+     * its own has sensed yet. What is symbolic is of one moment.
+     */
+    private static Seen merge(Seen newer, Seen older) {
+        Shown both = newer.shown().and(older.shown());
+        if (both.equals(newer.shown())) {
+            return newer;
+        }
+        boolean placed = newer.shown().has(Sensor.Aspect.PHYSICAL);
+        return new Seen(newer.shown().isAllThatIsSymbolicOf(both) ? newer.item() : older.item(),
+                placed ? newer.place() : older.place(), both, Map.of());
     }
 
     /**

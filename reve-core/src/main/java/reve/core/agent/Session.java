@@ -4,15 +4,13 @@ import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.util.ArrayList;
 import java.util.BitSet;
-import java.util.HashMap;
 import java.util.List;
-import java.util.Map;
 import java.util.Optional;
-import java.util.OptionalLong;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
 import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
+import reve.core.world.WorldSnapshot;
 
 /**
  * One client from its hello to its leave: who it is, what it has asked for, which commands it has given. It outlives
@@ -37,11 +35,9 @@ final class Session {
 
     /** The event loop's thread; null for who perceives everything. */
     private @Nullable Senses senses;
-    /** The event loop's thread: the question that a picture is being taken for, and the frame of each camera's last. */
-    private OptionalLong looking = OptionalLong.empty();
-    private final Map<String, Long> looked = new HashMap<>();
     /** The event loop's thread. */
     private final Quota quota;
+    private final Looks looks;
 
     // Guarded by this.
     private final CommandLog commands = new CommandLog();
@@ -75,6 +71,7 @@ final class Session {
         this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * config.idle().toNanos(), EventLog.MAX_BYTES);
         this.quota = new Quota(config.messagesPerSecond(), world.framesPerSecond(), System.nanoTime(),
                 world.publisher().published());
+        this.looks = new Looks(world, server.log(), toString(), this::show);
         this.connection = connection;
         this.encoding = connection.encoding();
         this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
@@ -194,6 +191,11 @@ final class Session {
         return senses == null ? world.everything() : senses.look(world);
     }
 
+    /** The same with relations, see {@link Senses#relate}. */
+    Optional<View> relate(View view, Observatory world, WorldSnapshot snapshot) {
+        return senses == null ? world.withRelations(view, snapshot) : senses.relate(view, world, snapshot);
+    }
+
     /**
      * Which fields of an event its sensors let it know, see {@link Senses#hear}; all without sensors. What a fault was
      * in detail may name files of the server, and is for who controls the world alone.
@@ -292,62 +294,17 @@ final class Session {
 
     /** Has a picture taken by a camera of its body, and sent. */
     void look(ClientMessage.Look look) throws BadMessage {
-        Sensor camera = Optional.ofNullable(senses).flatMap(its -> its.camera(look.sensor()))
+        Senses its = senses;
+        Sensor camera = Optional.ofNullable(its).flatMap(known -> known.camera(look.sensor()))
                 .orElseThrow(() -> new BadMessage(look.id(), "no-such-camera", this + " has no camera "
                         + Text.quote(look.sensor()), "the world file says which sensors a body has"));
-        if (looking.equals(OptionalLong.of(look.id()))) {
-            return; // asked again over another connection: the answer is on its way
-        }
-        if (looking.isPresent()) {
-            throw new BadMessage(look.id(), "look-pending", "the picture asked for before is still on its way",
-                    "wait for it");
-        }
-        requireTurn(look, camera, world.publisher().published());
-        looking = OptionalLong.of(look.id());
-        world.cameras().take(senses.body(), camera, new Cameras.Answer() {
-            @Override
-            public void taken(Cameras.Photo photo) {
-                world.publisher().later(() -> show(look, camera, photo));
-            }
-
-            @Override
-            public void refused(String reason) {
-                world.publisher().later(() -> show(new ServerMessage.Error(look.id(), "no-picture", reason, "try again")));
-            }
-
-            @Override
-            public void failed(RuntimeException cause) {
-                server.log().error("a picture for " + Session.this + " could not be drawn", cause);
-                refused("the picture could not be drawn; the server's log says why");
-            }
-        });
+        looks.take(look, its.body(), camera);
     }
 
-    /** A camera shows the frame that it showed last, or one that is so many frames later. */
-    private void requireTurn(ClientMessage.Look look, Sensor camera, long frame) throws BadMessage {
-        long last = looked.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
-        long next = last + camera.every();
-        if (frame > last && frame < next) {
-            throw new BadMessage(look.id(), "not-yet", "the camera " + Text.quote(camera.name())
-                    + " takes a picture every " + camera.every() + " frames", "look again from frame " + next + " on");
-        }
-    }
-
-    private void show(ClientMessage.Look look, Sensor camera, Cameras.Photo photo) {
-        try {
-            requireTurn(look, camera, photo.frame());
-            looked.put(camera.name(), photo.frame());
-            show(new ServerMessage.Image(look.id(), camera.name(), photo));
-        } catch (BadMessage tooEarly) { // frames were made while it was drawn
-            show(tooEarly.error());
-        }
-    }
-
-    private void show(ServerMessage answer) {
-        looking = OptionalLong.empty();
+    private void show(ServerMessage picture) {
         boolean room;
         synchronized (this) {
-            room = offer(answer);
+            room = offer(picture);
         }
         if (!room) {
             end(Ending.cut("too-slow", "a picture waits to be read, and too much else"));

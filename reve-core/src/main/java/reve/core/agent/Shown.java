@@ -25,6 +25,12 @@ record Shown(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
         return aspects.contains(aspect);
     }
 
+    /** True if another one shows no symbols and no actions that this one does not. */
+    boolean isAllThatIsSymbolicOf(Shown other) {
+        return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC) && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)
+                && symbols.equals(other.symbols);
+    }
+
     /** What both together show. */
     Shown and(Shown other) {
         if (equals(other)) {

@@ -4,6 +4,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 
 import java.io.IOException;
 import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.EnumSet;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
@@ -13,7 +14,10 @@ import java.util.Optional;
 import java.util.Random;
 import java.util.Set;
 import java.util.TreeSet;
+import java.util.stream.IntStream;
 import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -171,6 +175,62 @@ class SensorsTest {
             assertThat(swan).isEqualTo(duck.replace("duck", "swan"));
             assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
         }
+    }
+
+    /** What one sensor senses now does not bring to light what another has not sensed yet. */
+    @ParameterizedTest
+    @CsvSource({"1, 3", "3, 1", "3, 2"})
+    void whatASlowSensorShowsIsAsItSensedItThoughAnotherIsFaster(int placesEvery, int symbolsEvery)
+            throws IOException {
+        ItemDefinition body = body(Sensor.sight("where", 50).withAspects(EnumSet.of(Sensor.Aspect.PHYSICAL))
+                .withEvery(placesEvery)).sensor(Sensor.sight("what", 50)
+                .withAspects(EnumSet.of(Sensor.Aspect.SEMANTIC)).withEvery(symbolsEvery)).build();
+        try (AgentRoom room = room(body, ball("ball", 3, 0, 0)); TestClient ada = room.join("ada")) {
+            ada.say("{'t':'perceive','id':1,'every':1}").sync();
+            Map<String, JsonNode> known = new LinkedHashMap<>();
+            int frames = 12;
+            int[] places = new int[frames];
+            int[] symbols = new int[frames];
+            for (int frame = 0; frame < frames; frame++) {
+                room.item("ball").physical().setLocation(frame, 0, 0);
+                room.item("ball").semantic().set("mood", String.valueOf(frame));
+                room.step();
+                apply(ada.expect("perception"), known);
+                places[frame] = known.get("ball").at("/location/0").intValue();
+                symbols[frame] = Integer.parseInt(known.get("ball").at("/symbols/mood").asString("-1"));
+            }
+            assertThat(isSensedEvery(placesEvery, places)).as("%s", Arrays.toString(places)).isTrue();
+            assertThat(isSensedEvery(symbolsEvery, symbols)).as("%s", Arrays.toString(symbols)).isTrue();
+        }
+    }
+
+    @Test
+    void relationsAreAsOfWhenTheyWereSensed() throws IOException {
+        try (AgentRoom room = room(body(Sensor.sight("slow", 50).withEvery(3)).build(), ball("ball", 3, 0, 0),
+                ball("other", 4, 0, 0)); TestClient ada = room.join("ada")) {
+            ada.say("{'t':'perceive','id':1,'every':1,'relations':true}").sync();
+            Map<String, JsonNode> known = new LinkedHashMap<>();
+            boolean[] touching = new boolean[12];
+            for (int frame = 0; frame < touching.length; frame++) {
+                room.item("other").physical().setLocation(isApart(frame) ? 20 : 4, 0, 0);
+                room.step();
+                apply(ada.expect("perception"), known);
+                touching[frame] = known.get("ball").at("/symbols/touching").size() > 0;
+            }
+            assertThat(IntStream.range(0, 3)).as("%s", Arrays.toString(touching)).anyMatch(turn ->
+                    IntStream.range(turn, touching.length).allMatch(frame ->
+                            touching[frame] != isApart(frame - (frame - turn) % 3)));
+        }
+    }
+
+    private static boolean isApart(int frame) {
+        return frame / 2 % 2 == 0;
+    }
+
+    /** Whether what is known in each frame is of the last that was the sensor's turn. */
+    private static boolean isSensedEvery(int every, int[] known) {
+        return IntStream.range(0, every).anyMatch(turn -> IntStream.range(turn, known.length)
+                .allMatch(frame -> known[frame] == frame - (frame - turn) % every));
     }
 
     // ---- against an oracle ----
