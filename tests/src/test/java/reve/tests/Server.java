@@ -8,6 +8,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.concurrent.TimeUnit;
 import java.util.function.Predicate;
+import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
@@ -43,6 +44,18 @@ record Server(Process process, Events events) implements AutoCloseable {
                     return candidate;
                 }
             }
+        }
+
+        /** All events of a server that has ended or is about to, as far as it came to tell them. */
+        List<JsonNode> untilEnd() throws IOException {
+            try {
+                for (String line = output.readLine(); line != null; line = output.readLine()) {
+                    seen.add(mapper.readTree(line));
+                }
+            } catch (JacksonException cut) {
+                // it was killed in the middle of a line
+            }
+            return List.copyOf(seen);
         }
     }
 

@@ -27,7 +27,7 @@ public record MassProperties(double volume, double mass, double[] centre, double
      */
     public static MassProperties of(Shape shape, double density) {
         return switch (shape) {
-            case Shape.None none -> throw new IllegalArgumentException("no shape has no volume");
+            case Shape.None none -> throw new IllegalArgumentException("without a shape it has no volume");
             case Shape.Plane plane -> throw new IllegalArgumentException("a plane has no volume");
             case Shape.Sphere sphere -> sphere(sphere.radius(), density);
             case Shape.Box box -> box(box.x(), box.y(), box.z(), density);
