@@ -253,7 +253,7 @@ TYPED_TEST(HookeSpringTest, BitsDoNotDependOnTheNumberOfThreads) {
   }
 }
 
-// However many steps nothing was edited, by a client that says what it edits or by one that does not.
+// However many steps nothing was edited; by a client that says what it edits, and by others.
 TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   for (const bool shuffled : {false, true}) {
     for (const bool deferred : {false, true}) {

@@ -63,8 +63,8 @@ class SpringTiles {
   const LargeArray<uint32_t>& rows() const { return rows_; }
   /// (slots / kBatch), the row of a batch's first spring if the others follow it, else kScattered.
   const LargeArray<uint32_t>& first_rows() const { return first_rows_; }
-  /** Of each part, for each body of the tile, the places of the slots that have it as first end, then
-   *  of those that have it as second end. */
+  /** Of each part, for each body of the tile, the places of the slots that have it as first end,
+   *  then of those that have it as second end. */
   const LargeArray<uint16_t>& pulls() const { return pulls_; }
   /// Of each part (bodies of the tile x 2), how many these are.
   const LargeArray<uint16_t>& pull_counts() const { return pull_counts_; }

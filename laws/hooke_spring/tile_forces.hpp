@@ -45,8 +45,8 @@ struct TileForces {
                const uint32_t* rows, uint64_t first, uint64_t count, Motion<Real>* motions);
   /// What each spring exerts on its first end; the second feels the opposite.
   void (*pull)(const TileSprings<Real>& springs, const Motion<Real>* motions, Forces<Real>* forces);
-  /** Adds to each of `count` bodies the forces that `pulls` names for it; pull_counts (count x 2): see
-   *  SpringTiles. */
+  /** Adds to each of `count` bodies the forces that `pulls` names for it; pull_counts (count x 2):
+   *  see SpringTiles. */
   void (*sum)(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pull_counts,
               uint64_t count, Vec3<Real>* sums);
 };

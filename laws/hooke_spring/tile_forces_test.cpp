@@ -188,7 +188,8 @@ TEST(SpringTilesTest, ABodyHeldFromEverywhereFeelsAll) {
   EXPECT_GT(star.tiles.parts().size(), star.tiles.tiles().size());
   EXPECT_LE(star.tiles.most_bodies(), kMost);
   const Vec3<double> sum = star.Forces(AvailableTileForces<double>().front(), true)[70000];
-  EXPECT_LT(Length(Network<double>::Wide(sum) - star.Expected(true)[70000]), 1e-2)  // of springs that pull with some hundred N each
+  EXPECT_LT(Length(Network<double>::Wide(sum) - star.Expected(true)[70000]),
+            1e-2)  // of springs that pull with some hundred N each
       << "seed " << kSeed;
 }
 

@@ -61,10 +61,11 @@ TYPED_TEST(MovesTest, EveryInstructionSetMovesToTheBitAsTheEquationSays) {
         Crowd<TypeParam> crowd(200, some_immovable), expected = crowd;
         crowd.Move(compiled, begin, end);
         expected.MoveEach(begin, end);
+        SCOPED_TRACE(compiled.instruction_set);
         EXPECT_EQ(crowd.velocity, expected.velocity)
-            << compiled.instruction_set << ", rows " << begin << " to " << end << ", seed " << kSeed;
+            << "rows " << begin << " to " << end << ", seed " << kSeed;
         EXPECT_EQ(crowd.position, expected.position)
-            << compiled.instruction_set << ", rows " << begin << " to " << end << ", seed " << kSeed;
+            << "rows " << begin << " to " << end << ", seed " << kSeed;
       }
     }
   }

@@ -49,7 +49,8 @@ static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error*
 static const vesper_property_use kUses[] = {
     REAL_USE("externalForce", 3, VESPER_ACCUMULATE, VESPER_UNIT_NEWTON)};
 static const vesper_parameter_desc kParameters[] = {
-    PARAMETER("held", VESPER_UNIT_ONE, 0, 0, 1024), PARAMETER("ranges", VESPER_UNIT_ONE, 2, 1, 1024)};
+    PARAMETER("held", VESPER_UNIT_ONE, 0, 0, 1024),
+    PARAMETER("ranges", VESPER_UNIT_ONE, 2, 1, 1024)};
 static const vesper_law_desc kLaws[] = {LAW("held_range", VESPER_PHASE_FORCE, 0, kUses, USE_COUNT,
                                             kParameters, PARAMETER_COUNT, Create, Bind, Act)};
 LIBRARY("held_range", kLaws, NULL, NULL)
