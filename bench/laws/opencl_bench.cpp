@@ -51,7 +51,7 @@ class World {
 };
 
 void PrintRow(uint64_t n, const char* what, const bench::Comparison& result) {
-  std::printf("| %lu | %s | %.3g | %.3g | %.2f | %.2f | %.1f |\n", n, what, 1 / result.a.wall,
+  std::printf("| %lu | %s | %.4g | %.4g | %.2f | %.2f | %.1f |\n", n, what, 1 / result.a.wall,
               1 / result.b.wall, result.b.wall / result.a.wall,
               result.b.processor / result.a.processor, result.foreign);
   std::fflush(stdout);

@@ -75,7 +75,7 @@ class Series {
   std::vector<double> wall_, processor_;
 };
 
-/// Calls that take about so many seconds. The first one, which may have a lot to prepare, says nothing.
+/// Calls that take about so many seconds. The first one may have a lot to prepare: it says nothing.
 template <class Action>
 uint64_t Calibrate(Action& action, double seconds) {
   action();
