@@ -20,16 +20,16 @@ import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
 /**
- * What every sample world with a {@code world.yaml} promises in its {@code expected.json}, or under
+ * What every sample world with a {@code world.yaml}, and each of its {@code variants}, promises in its {@code expected.json}, or under
  * {@code world} in it where there is a scene that promises something else, from the world file to the state after some seconds. In every world, what is immovable stays where it is and no law fails.
  */
 class WorldsIT {
     private static final long MOST_FRAMES_TWICE = 60;
 
-    /** A world's folder, and what must hold in it. */
-    record Sample(Path folder, JsonNode expected) {
+    /** A world file, and what must hold in it. */
+    record Sample(Path file, JsonNode expected) {
         Simulation load() throws IOException, WorldFileException {
-            WorldDescription description = WorldFile.load(folder.resolve("world.yaml"));
+            WorldDescription description = WorldFile.load(file);
             return new Simulation(description, Pacing.FAST);
         }
 
@@ -46,7 +46,7 @@ class WorldsIT {
 
         @Override
         public String toString() {
-            return folder.getFileName().toString();
+            return file.getParent().getFileName() + "/" + file.getFileName();
         }
     }
 
@@ -57,7 +57,10 @@ class WorldsIT {
                 if (Files.exists(folder.resolve("world.yaml"))) {
                     String expected = Files.readString(folder.resolve("expected.json"));
                     JsonNode tree = new JsonMapper().readTree(expected);
-                    samples.add(new Sample(folder, tree.has("world") ? tree.get("world") : tree));
+                    JsonNode own = tree.has("world") ? tree.get("world") : tree;
+                    samples.add(new Sample(folder.resolve("world.yaml"), own));
+                    tree.path("variants").forEach(variant ->
+                            samples.add(new Sample(folder.resolve(variant.asString()), own)));
                 }
             }
         }
@@ -79,6 +82,30 @@ class WorldsIT {
                 assertWithin(mean.getValue(), mechanics.meanX(mean.getKey()), "mean x of " + mean.getKey());
             }
             assertThat(simulation.events().faults()).isEmpty();
+        }
+    }
+
+    static List<Sample> variants() throws IOException {
+        return samples().stream().filter(sample -> sample.expected().has("variants")
+                && !sample.file().endsWith("world.yaml")).toList();
+    }
+
+    @ParameterizedTest
+    @MethodSource("variants")
+    void aVariantEndsWhereTheWorldDoes(Sample variant) throws Exception {
+        Sample world = new Sample(variant.file().resolveSibling("world.yaml"), variant.expected());
+        var expected = endOf(world).positions();
+        var found = endOf(variant);
+        assertThat(found.positions().keySet()).isEqualTo(expected.keySet());
+        assertThat(expected.keySet()).allSatisfy(item ->
+                assertThat(Mechanics.norm(Mechanics.subtract(found.position(item), expected.get(item))))
+                        .isLessThanOrEqualTo(variant.expected().get("variantsApartAtMost").asDouble()));
+    }
+
+    private static Mechanics.State endOf(Sample sample) throws Exception {
+        try (Simulation simulation = sample.load()) {
+            simulation.loop().run(sample.frames(simulation));
+            return new Mechanics(simulation).state();
         }
     }
 
