@@ -80,9 +80,6 @@ struct SurfaceContact {
   }
 
   void Bind() {
-    RefuseNegative(hardness);
-    if (damping.present()) RefuseNegative(damping);
-    if (friction.present()) RefuseNegative(friction);
     topology_.Build({vertices.data(), vertices.size()}, position.size());
     const auto patches = topology_.patches();
     boxes_.resize(patches.size());
@@ -512,17 +509,6 @@ struct SurfaceContact {
                                       std::index_sequence<i...>) const {
     const Skin<Real> skin(topology_, vertices.data(), position.data());
     return {Frame<Real>(skin.Corners(touch.faces[i].face), touch.point)...};
-  }
-
-  /** A negative one would pull, speed up or blow up. */
-  template <class Column>
-  static void RefuseNegative(const Column& column) {
-    for (uint64_t row = 0; row < column.size(); ++row) {
-      if (!(column[row] < 0)) continue;
-      throw std::runtime_error("'" + std::string(column.name()) + "' of surface row " +
-                               std::to_string(row) + " is " + std::to_string(column[row]) +
-                               ", expected 0 or more");
-    }
   }
 
   // All of it is rebuilt by Bind or by each Advance.

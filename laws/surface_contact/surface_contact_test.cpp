@@ -345,9 +345,9 @@ TYPED_TEST(SurfaceContactTest, HeapOfIcosahedraHasTheSameBitsOnAnyNumberOfThread
 
 TYPED_TEST(SurfaceContactTest, WhatMustNotBeNegativeIsNamed) {
   const std::pair<Material, std::string> cases[] = {
-      {{-1000, 0, 0}, "'hardness' of surface row 0 is -1000"},
-      {{1000, -1, 0}, "'surfaceDamping' of surface row 0 is -1"},
-      {{1000, 0, -1}, "'frictionCoefficient' of surface row 0 is -1"}};
+      {{-1000, 0, 0}, "property hardness, row 0: is -1000, expected 0 or more"},
+      {{1000, -1, 0}, "property surfaceDamping, row 0: is -1"},
+      {{1000, 0, -1}, "property frictionCoefficient, row 0: is -1"}};
   for (const auto& [material, expected] : cases) {
     ContactScene<TypeParam> scene;
     scene.AddGround(material);
@@ -357,7 +357,7 @@ TYPED_TEST(SurfaceContactTest, WhatMustNotBeNegativeIsNamed) {
       engine.Advance(1e-3);
       ADD_FAILURE() << "nobody is told of " << expected;
     } catch (const Error& error) {
-      EXPECT_EQ(error.status(), VESPER_LAW_FAILED);
+      EXPECT_EQ(error.status(), VESPER_INVALID_ARGUMENT);
       EXPECT_NE(std::string(error.what()).find(expected), std::string::npos) << error.what();
     }
   }

@@ -255,6 +255,19 @@ TEST(RunTest, ReferenceOutOfRangeIsRefusedAtItsLine) {
   EXPECT_NE(outcome.errors.find(scene + ":8:1: "), std::string::npos) << outcome.errors;
 }
 
+TEST(RunTest, ValueBelowItsMinimumIsRefusedAtItsLine) {
+  const Folder folder;
+  const std::string scene = folder.Write("s.vesper",
+                                         "scene 1\ndt 1\nlaw newton_motion\nrows body 2\n"
+                                         "mass 1 -2\nposition all (0 0 0)\nvelocity all (0 0 0)\n");
+  const Outcome outcome = RunScene(scene, {});
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_NE(outcome.errors.find(":5:1: INVALID_ARGUMENT: property mass, row 1: is -2, expected "
+                                "0 or more [kg]"),
+            std::string::npos)
+      << outcome.errors;
+}
+
 TEST(RunTest, LawThatBreaksDownEndsWith1AndNamesFrameLawAndProperty) {
   const Folder folder;
   const Outcome outcome = RunScene(
@@ -276,7 +289,8 @@ TEST(RunTest, LawThatBreaksDownOnADeviceIsNamedByTheReportThatAsksForItsValues) 
       "mass 1e200 1e200\nposition (0 0 0) (1 0 0)\nvelocity all (0 0 0)\n");
   const Outcome outcome = RunScene(scene, {"--frames", "3"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.errors.find(scene + ": frame 3: LAW_MISBEHAVED: law opencl_motion: "),
+  EXPECT_NE(outcome.errors.find(scene + ": frame 3: LAW_MISBEHAVED: law opencl_gravitation: property "
+                                        "externalForce, row 0"),
             std::string::npos)
       << outcome.errors;
 }

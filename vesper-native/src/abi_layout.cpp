@@ -50,6 +50,9 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_property_descriptor, refers_to),
     FIELD(vesper_property_descriptor, initial_from),
     FIELD(vesper_property_descriptor, doc),
+    FIELD(vesper_property_descriptor, has_minimum),
+    FIELD(vesper_property_descriptor, reserved),
+    FIELD(vesper_property_descriptor, minimum),
 
     STRUCT(vesper_prototype),
     FIELD(vesper_prototype, struct_size),
@@ -180,7 +183,7 @@ constexpr vesper_layout_entry kLayout[] = {
     FIELD(vesper_engine_config, log),
     FIELD(vesper_engine_config, log_user),
     FIELD(vesper_engine_config, deferred),
-    FIELD(vesper_engine_config, reserved),
+    FIELD(vesper_engine_config, touches),
 
     STRUCT(vesper_law_info),
     FIELD(vesper_law_info, struct_size),

@@ -16,11 +16,6 @@ namespace {
 // Values summed at a time: totals and shares of a block stay in the first-level cache.
 constexpr uint64_t kBlock = 1024;
 
-double ValueAt(vesper_scalar_type type, const std::byte* values, uint64_t index) {
-  if (type == VESPER_F32) return reinterpret_cast<const float*>(values)[index];
-  return reinterpret_cast<const double*>(values)[index];
-}
-
 }  // namespace
 
 const std::byte* Accumulation::Initial() const {

@@ -152,6 +152,7 @@ void Columns::Refresh() {
   for (uint32_t i = 0; i < size(); ++i) {
     if (!columns_[i].bound || !columns_[i].stale) continue;
     if (columns_[i].arrays.indices != nullptr) Expand(i);
+    if (spec(i).minimum) CheckMinimum(i);
   }
   // A reference is also at stake when the kind that it points into shrank.
   CheckReferences();
@@ -225,6 +226,20 @@ void Columns::Expand(uint32_t property) {
   }
   column.dense.Resize(arrays.row_count * expanded.row_size);
   Gather(column.dense.data(), arrays.data, arrays.indices, arrays.row_count, expanded.row_size);
+}
+
+void Columns::CheckMinimum(uint32_t property) const {
+  const PropertySpec& bounded = spec(property);
+  const std::byte* values = columns_[property].data();
+  const uint64_t count = columns_[property].arrays.row_count * bounded.components;
+  const uint64_t bad = FindBelow(bounded.type, values, count, *bounded.minimum);
+  if (bad == kNotFound) return;
+  throw Failure(VESPER_INVALID_ARGUMENT,
+                "property %s, row %" PRIu64 ": is %g, expected %g or more [%s]",
+                bounded.name.c_str(), bad / bounded.components, ValueAt(bounded.type, values, bad),
+                *bounded.minimum, bounded.unit.symbol)
+      .Property(bounded.name)
+      .Row(bad / bounded.components);
 }
 
 void Columns::CheckReferences() {

@@ -39,12 +39,17 @@ Config::Config(const vesper_engine_config* given) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.deferred is %u, expected 0 or 1",
                   source.deferred);
   }
+  if (source.touches > 1) {
+    throw Failure(VESPER_INVALID_ARGUMENT, "config.touches is %u, expected 0 or 1",
+                  source.touches);
+  }
   if (source.probe_timeout_ms == 0) {
     throw Failure(VESPER_INVALID_ARGUMENT, "config.probe_timeout_ms is 0, expected at least 1");
   }
   threads = source.threads;
   validate = source.validate == 1;
   deferred = source.deferred == 1;
+  touches = deferred || source.touches == 1;
   probe_timeout_ms = source.probe_timeout_ms;
   law_path = source.law_path != nullptr ? source.law_path : "";
   probe_path = source.probe_path != nullptr ? source.probe_path : ProbeBesideLibrary();

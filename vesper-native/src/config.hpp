@@ -18,6 +18,7 @@ struct Config {
   uint32_t threads;
   bool validate;
   bool deferred;
+  bool touches;
   uint32_t probe_timeout_ms;
   std::string law_path;
   std::string probe_path;

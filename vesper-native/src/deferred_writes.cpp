@@ -73,10 +73,27 @@ void DeferredWrites::Written(uint32_t property) {
 
 void DeferredWrites::Synchronize(uint32_t property, uint32_t stage) {
   if (!IsHeld(property)) return;
+  try {
+    Fetch(property, stage);
+  } catch (const Failure&) {
+    FetchInputs(properties_[property].holder, stage);
+    throw;
+  }
+}
+
+void DeferredWrites::Fetch(uint32_t property, uint32_t stage) {
   State& state = properties_[property];
   state.holder.OnBehalf(stage, [&] { state.holder.law->runner->Synchronize(state.use); });
   state.holder = {};
   if (state.several_users) Written(property);  // copies of the other libraries are stale
+}
+
+void DeferredWrites::FetchInputs(const ScheduledLaw& law, uint32_t stage) {
+  for (const MatchedUse& matched : law.law->uses) {
+    const uint32_t property = matched.property;
+    if (property == kNone || !IsHeld(property)) continue;
+    if (properties_[property].holder.law != law.law) Fetch(property, stage);
+  }
 }
 
 void DeferredWrites::SynchronizeAll(uint32_t stage) {

@@ -53,6 +53,11 @@ class DeferredWrites {
   };
 
   bool IsHeld(uint32_t property) const;
+  /// Has the law that holds the property write the array.
+  void Fetch(uint32_t property, uint32_t stage);
+  /// The same of what other laws hold of what the law uses: what is wrong in its results may have
+  /// come from there, and then they are to blame.
+  void FetchInputs(const ScheduledLaw& law, uint32_t stage);
 
   Columns& columns_;
   std::vector<State> properties_;  // in prototype order

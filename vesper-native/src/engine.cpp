@@ -386,6 +386,10 @@ void vesper_engine::Advance(double dt, uint32_t steps) {
         clock.Tick(dt);
       }
       if (!config_.deferred) schedule_.deferred().SynchronizeAll();
+    } catch (Failure& failure) {
+      schedule_.RestoreScratch();
+      failure.Within("after " + std::to_string(clock.steps) + " steps");
+      throw;
     } catch (...) {
       schedule_.RestoreScratch();
       throw;
@@ -400,7 +404,7 @@ void vesper_engine::Bind() {
   RefreshColumns();
   if (config_.validate) columns_.CheckReferences();
   vesper::DeferredWrites& deferred = schedule_.deferred();
-  if (!config_.deferred) deferred.TakeArrays();  // the client may have edited any
+  if (!config_.touches) deferred.TakeArrays();  // the client may have edited any
   if (!schedule_.IsBound()) FaultIfFails([&] { deferred.SynchronizeAll(); });
   schedule_.Bind();
 }

@@ -101,7 +101,20 @@ void FillUnwritten(void* values, uint64_t count) {
   std::fill_n(static_cast<Real*>(values), count, std::bit_cast<Real>(Bits<Real>::kUnwritten));
 }
 
+template <class Real>
+uint64_t FindBelow(const void* values, uint64_t count, double minimum) {
+  const auto* begin = static_cast<const Real*>(values);
+  const auto* end = begin + count;
+  const auto* found = std::find_if(begin, end, [minimum](Real value) { return value < minimum; });
+  return found == end ? kNotFound : static_cast<uint64_t>(found - begin);
+}
+
 }  // namespace
+
+double ValueAt(vesper_scalar_type type, const void* values, uint64_t index) {
+  if (type == VESPER_F32) return static_cast<const float*>(values)[index];
+  return static_cast<const double*>(values)[index];
+}
 
 VESPER_STREAMING
 uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count) {
@@ -149,6 +162,12 @@ uint64_t FindOutOfRange(const uint32_t* values, uint64_t count, uint64_t limit) 
   const auto* end = values + count;
   const auto* found = std::find_if(values, end, [limit](uint32_t v) { return v >= limit; });
   return found == end ? kNotFound : static_cast<uint64_t>(found - values);
+}
+
+uint64_t FindBelow(vesper_scalar_type type, const void* values, uint64_t count, double minimum) {
+  if (type == VESPER_F64) return FindBelow<double>(values, count, minimum);
+  if (type == VESPER_F32) return FindBelow<float>(values, count, minimum);
+  return kNotFound;
 }
 
 void Gather(void* to, const void* from, const uint32_t* indices, uint64_t count,

@@ -9,6 +9,9 @@ namespace vesper {
 
 inline constexpr uint64_t kNotFound = UINT64_MAX;
 
+/// Value `index` of reals.
+double ValueAt(vesper_scalar_type type, const void* values, uint64_t index);
+
 /// Index of the first NaN or infinity, or kNotFound. Integer types are always finite.
 uint64_t FindNonFinite(vesper_scalar_type type, const void* values, uint64_t count);
 
@@ -39,6 +42,9 @@ void CopyCanonical(vesper_scalar_type type, void* to, const void* from, uint64_t
 
 /// Index of the first value that is not below `limit`, or kNotFound.
 uint64_t FindOutOfRange(const uint32_t* values, uint64_t count, uint64_t limit);
+
+/// Index of the first value below `minimum`, or kNotFound; NaN is not. Integer types are left alone.
+uint64_t FindBelow(vesper_scalar_type type, const void* values, uint64_t count, double minimum);
 
 /// to[i] = from[indices[i]], rows of `row_size` bytes.
 void Gather(void* to, const void* from, const uint32_t* indices, uint64_t count, uint64_t row_size);

@@ -35,13 +35,7 @@ void Copy(const vesper_property& to, const vesper_property& from) {
 }
 
 std::string PrintValue(const vesper_property& property, uint64_t index) {
-  double value;
-  if (property.scalar_type == VESPER_F32) {
-    value = static_cast<const float*>(property.data)[index];
-  } else {
-    value = static_cast<const double*>(property.data)[index];
-  }
-  return std::to_string(value);
+  return std::to_string(ValueAt(property.scalar_type, property.data, index));
 }
 
 Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row,

@@ -1,6 +1,7 @@
 #include "prototype.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "failure.hpp"
 #include "nearest_name.hpp"
@@ -56,6 +57,12 @@ void CheckDescriptor(const vesper_property_descriptor& property, uint32_t index)
       (property.scalar_type != VESPER_U32 || property.law_access != VESPER_READ)) {
     throw fail("a property with refers_to must be u32 and READ only");
   }
+  if (property.has_minimum > 1) throw fail("has_minimum must be 0 or 1");
+  if (property.has_minimum == 1 &&
+      (!IsReal(property.scalar_type) || property.law_access != VESPER_READ ||
+       !std::isfinite(property.minimum))) {
+    throw fail("a minimum is a finite number, of a real property that is READ only");
+  }
 }
 
 }  // namespace
@@ -109,6 +116,7 @@ void Prototype::AddProperty(const vesper_property_descriptor& source) {
                          .refers_to = kNone,
                          .initial_from = kNone,
                          .row_size = ScalarSize(source.scalar_type) * source.components});
+  if (source.has_minimum == 1) properties_.back().minimum = source.minimum;
 }
 
 void Prototype::ResolveReferences(const vesper_property_descriptor& source,

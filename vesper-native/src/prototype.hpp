@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -23,6 +24,7 @@ struct PropertySpec {
   uint32_t refers_to;     // kind, or kNone
   uint32_t initial_from;  // property, or kNone
   size_t row_size;        // bytes
+  std::optional<double> minimum = {};  // of every component
 
   bool IsAccumulator() const { return (law_access & VESPER_ACCUMULATE) != 0; }
 };

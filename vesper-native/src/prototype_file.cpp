@@ -117,6 +117,16 @@ class Line {
     return value;
   }
 
+  double Real(const char* what) {
+    SkipSpaces();
+    double value = 0;
+    const char* begin = text_.data() + at_;
+    const auto [end, error] = std::from_chars(begin, text_.data() + text_.size(), value);
+    if (error != std::errc()) Fail(at_, "found " + Found() + ", expected " + what);
+    at_ += static_cast<size_t>(end - begin);
+    return value;
+  }
+
   vesper_unit Unit() {
     Expect("[", " and a unit, such as [m/s]");
     const size_t begin = at_;
@@ -246,6 +256,10 @@ class Reader {
         line.OneOf(kAccesses, "read, write, read_write or accumulate");
     if (line.Take("->")) property.refers_to = Keep(line.Name("the kind that it refers to"));
     if (line.Take("from ")) property.initial_from = Keep(line.Name("the name of a property"));
+    if (line.Take("min ")) {
+      property.has_minimum = 1;
+      property.minimum = line.Real("the least value, such as min 0");
+    }
     if (!line.AtEnd()) property.doc = Keep(line.Quoted());
     const auto [found, added] = places_.emplace(property.name, std::pair(line_, begin));
     if (!added) {

@@ -14,19 +14,28 @@ constexpr vesper_property_descriptor Describe(vesper_scalar_type type, uint32_t 
                                               vesper_access access, const char* doc,
                                               const char* initial_from = nullptr) {
   return {sizeof(vesper_property_descriptor), type, name, kind, components, access, unit, nullptr,
-          initial_from, doc};
+          initial_from, doc, 0, 0, 0};
+}
+
+/// What laws read, and what has no meaning below 0.
+constexpr vesper_property_descriptor NotNegative(vesper_scalar_type type, uint32_t components,
+                                                 const char* kind, const char* name,
+                                                 vesper_unit unit, const char* doc) {
+  vesper_property_descriptor property =
+      Describe(type, components, kind, name, unit, VESPER_READ, doc);
+  property.has_minimum = 1;
+  return property;
 }
 
 constexpr vesper_property_descriptor Refer(uint32_t components, const char* kind, const char* name,
                                            const char* refers_to, const char* doc) {
   return {sizeof(vesper_property_descriptor), VESPER_U32, name, kind, components, VESPER_READ,
-          VESPER_UNIT_ONE, refers_to, nullptr, doc};
+          VESPER_UNIT_ONE, refers_to, nullptr, doc, 0, 0, 0};
 }
 
 template <vesper_scalar_type real>
 constexpr vesper_property_descriptor kProperties[] = {
-    Describe(real, 1, "body", "mass", VESPER_UNIT_KILOGRAM, VESPER_READ,
-             "Mass; 0 means immovable."),
+    NotNegative(real, 1, "body", "mass", VESPER_UNIT_KILOGRAM, "Mass; 0 means immovable."),
     Describe(real, 1, "body", "charge", VESPER_UNIT_COULOMB, VESPER_READ, "Electric charge."),
     Describe(real, 3, "body", "position", VESPER_UNIT_METRE, VESPER_READ_WRITE,
              "Centre of mass in the world frame."),
@@ -38,14 +47,14 @@ constexpr vesper_property_descriptor kProperties[] = {
              "Sum of all forces of the stage.", "appliedForce"),
     Describe(real, 3, "body", "appliedForce", VESPER_UNIT_NEWTON, VESPER_READ,
              "Force that the client applies, constant over a call of advance."),
-    Describe(real, 1, "body", "radius", VESPER_UNIT_METRE, VESPER_READ,
-             "Radius of the body taken as a ball."),
+    NotNegative(real, 1, "body", "radius", VESPER_UNIT_METRE,
+                "Radius of the body taken as a ball."),
     Describe(real, 4, "body", "orientation", VESPER_UNIT_ONE, VESPER_READ_WRITE,
              "Unit quaternion xyzw, body frame to world frame."),
     Describe(real, 3, "body", "angularVelocity", VESPER_UNIT_RADIAN_PER_SECOND, VESPER_READ_WRITE,
              "Angular velocity in the world frame."),
-    Describe(real, 3, "body", "inertia", VESPER_UNIT_KILOGRAM_METRE_SQUARED, VESPER_READ,
-             "Principal moments of inertia in the body frame."),
+    NotNegative(real, 3, "body", "inertia", VESPER_UNIT_KILOGRAM_METRE_SQUARED,
+                "Principal moments of inertia in the body frame."),
     Describe(real, 3, "body", "torque", VESPER_UNIT_NEWTON_METRE, kAccumulator,
              "Sum of all torques of the stage about the centre of mass."),
     Describe(real, 1, "body", "dragCoefficient", VESPER_UNIT_KILOGRAM_PER_METRE, VESPER_READ,
@@ -54,26 +63,26 @@ constexpr vesper_property_descriptor kProperties[] = {
              VESPER_READ, "Force of linear drag per speed."),
 
     Refer(2, "spring", "endpoints", "body", "Rows of the two bodies it joins."),
-    Describe(real, 1, "spring", "length", VESPER_UNIT_METRE, VESPER_READ, "Rest length."),
+    NotNegative(real, 1, "spring", "length", VESPER_UNIT_METRE, "Rest length."),
     Describe(real, 1, "spring", "hookeConstant", VESPER_UNIT_NEWTON_PER_METRE, VESPER_READ,
              "Force per elongation."),
     Describe(real, 1, "spring", "dampingConstant", VESPER_UNIT_NEWTON_SECOND_PER_METRE,
              VESPER_READ, "Force per speed of elongation."),
 
     Refer(3, "surface", "vertices", "body", "Rows of the three bodies that span the triangle."),
-    Describe(real, 1, "surface", "hardness", VESPER_UNIT_NEWTON_PER_METRE, VESPER_READ,
-             "Contact force per depth of penetration."),
-    Describe(real, 1, "surface", "surfaceDamping", VESPER_UNIT_NEWTON_SECOND_PER_METRE, VESPER_READ,
-             "Contact force per speed of penetration."),
-    Describe(real, 1, "surface", "frictionCoefficient", VESPER_UNIT_ONE, VESPER_READ,
-             "Friction force per normal force."),
+    NotNegative(real, 1, "surface", "hardness", VESPER_UNIT_NEWTON_PER_METRE,
+                "Contact force per depth of penetration."),
+    NotNegative(real, 1, "surface", "surfaceDamping", VESPER_UNIT_NEWTON_SECOND_PER_METRE,
+                "Contact force per speed of penetration."),
+    NotNegative(real, 1, "surface", "frictionCoefficient", VESPER_UNIT_ONE,
+                "Friction force per normal force."),
 
     Describe(real, 1, "world", "gravitationalConstant", VESPER_UNIT_GRAVITATIONAL_CONSTANT,
              VESPER_READ, "Constant of Newton's law of gravitation."),
     Describe(real, 3, "world", "gravity", VESPER_UNIT_METRE_PER_SECOND_SQUARED, VESPER_READ,
              "Uniform gravitational field."),
-    Describe(real, 1, "world", "softening", VESPER_UNIT_METRE, VESPER_READ,
-             "Length below which gravitation is softened."),
+    NotNegative(real, 1, "world", "softening", VESPER_UNIT_METRE,
+                "Length below which gravitation is softened."),
     Describe(real, 1, "world", "coulombConstant", VESPER_UNIT_COULOMB_CONSTANT, VESPER_READ,
              "Constant of Coulomb's law."),
     Describe(real, 3, "world", "electricField", VESPER_UNIT_VOLT_PER_METRE, VESPER_READ,

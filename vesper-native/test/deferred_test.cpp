@@ -302,6 +302,43 @@ TEST_P(DeferredTest, WhatIsNotFiniteIsFoundWhenItIsWritten) {
   }
 }
 
+TEST_P(DeferredTest, WhatIsNotFiniteIsLaidAtTheDoorOfTheLawThatItCameFrom) {
+  for (const EngineOptions& options : {Plain(), Deferred()}) {
+    Scene run({}, options);
+    const vesper_library_id vault = run.engine.Load("vault", {{"pull.spoil", 1}});
+    EXPECT_OK(run.engine.Advance(kDt, 2));
+    vesper_error error = run.engine.Advance(kDt, 1);
+    if (options.deferred) {
+      EXPECT_OK(error);
+      error = run.engine.Synchronize({"position"});
+    }
+    EXPECT_REFUSED(LAW_MISBEHAVED, "law pull: property externalForce, row 2", error);
+    EXPECT_EQ(error.library_id, vault);
+    EXPECT_EQ(error.law_index, 0u);
+  }
+}
+
+TEST_P(DeferredTest, ClientThatTouchesWhatItEditsIsNotAskedForTheRest) {
+  Scene twin({"no_vault"}, Plain());
+  Scene run({}, {.validate = GetParam(), .touches = true});
+  run.engine.Load("vault", {{"pull.talk", 1}, {"move.talk", 1}});
+  const char* edited = "position";
+  for (int frame = 0; frame < 3; ++frame) {
+    for (Scene* each : {&twin, &run}) {
+      each->bodies.position[3] += 5;
+      EXPECT_OK(Try([&](vesper_error* error) {
+        return vesper_provider_touch(each->engine.provider(), &edited, 1, error);
+      }));
+      EXPECT_OK(each->engine.Advance(kDt, 3));
+    }
+    run.ExpectSameAs(twin);  // fresh after each advance
+  }
+  const Lines& log = run.engine.log();
+  EXPECT_EQ(std::count(log.begin(), log.end(), "vault: take position"), 3);
+  EXPECT_EQ(std::count(log.begin(), log.end(), "vault: take velocity"), 1);
+  EXPECT_EQ(std::count(log.begin(), log.end(), "vault: write velocity"), 3);
+}
+
 TEST_P(DeferredTest, UnloadThatFindsWhatIsNotFiniteMayBeRepeated) {
   Scene run({}, Deferred());
   const vesper_library_id vault = run.engine.Load("vault", {{"move.spoil", 1}});

@@ -110,6 +110,29 @@ TEST_P(MisbehaviourTest, NaNInWhatLawsOnlyReadIsTheClients) {
   EXPECT_OK(fresh.Advance(1, 1));
 }
 
+TEST_P(MisbehaviourTest, BlameIsOfTheFirstStepAndRowWhateverTheNumberOfThreads) {
+  const auto diverge = [](const EngineOptions& options) {
+    Bodies many(50'000);  // more than one thread takes at once
+    const auto launch = [&many](size_t row, double speed) { many.velocity[3 * row] = speed; };
+    launch(10, 3e307);  // the lowest row, but it leaves the numbers two steps later
+    launch(30'000, 8e307);
+    launch(44'000, 8e307);
+    TestEngine fresh(options);
+    fresh.AddBodies(many);
+    fresh.Load("push");
+    fresh.Load("euler");
+    return fresh.Advance(1, 20);
+  };
+  for (const uint32_t threads : {1u, 2u, 8u}) {
+    const vesper_error error = diverge({.validate = GetParam(), .threads = threads});
+    EXPECT_REFUSED(LAW_MISBEHAVED,
+                   "after 2 steps: law euler: property position, row 30000: wrote inf to component 0",
+                   error);
+    EXPECT_STREQ(error.property, "position");
+    EXPECT_EQ(error.row, 30'000u);
+  }
+}
+
 TEST_P(MisbehaviourTest, FailedStepsAreVoidAndLeaveTheEngineFaulted) {
   AdvanceWith(Options(), WRITE_NAN);
   EXPECT_EQ(vesper_engine_step_count(engine->get()), 0u);

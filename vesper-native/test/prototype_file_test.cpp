@@ -37,7 +37,7 @@ TEST(PrototypeFileTest, EveryPartOfALineReachesTheDescriptor) {
       "time [ms]\n"
       "\n"
       "body temperature: real x1 [K] read_write \"How hot # it is.\"  # shown in red\n"
-      "body heater: real x1 [kW] read\n"
+      "body heater: real x1 [kW] read min -1.5e3 \"Above what cools.\"\n"
       "body heat-flow:real x1[kW]accumulate from heater\n"
       "wire ends: u32 x2 [1] read -> body \"Rows of two bodies.\"\n"
       "wire age: i32 x1 [d] write\n"
@@ -57,7 +57,11 @@ TEST(PrototypeFileTest, EveryPartOfALineReachesTheDescriptor) {
   EXPECT_STREQ(p[0].doc, "How hot # it is.");
   EXPECT_EQ(p[0].refers_to, nullptr);
   EXPECT_EQ(p[1].law_access, VESPER_READ);
-  EXPECT_EQ(p[1].doc, nullptr);
+  EXPECT_EQ(p[1].has_minimum, 1u);
+  EXPECT_EQ(p[1].minimum, -1500);
+  EXPECT_STREQ(p[1].doc, "Above what cools.");
+  EXPECT_EQ(p[2].has_minimum, 0u);
+  EXPECT_EQ(p[2].doc, nullptr);
   EXPECT_STREQ(p[2].name, "heat-flow");
   EXPECT_EQ(p[2].unit.scale, 1000);
   EXPECT_EQ(p[2].law_access, VESPER_READ | VESPER_ACCUMULATE);
@@ -138,6 +142,8 @@ TEST(PrototypeFileTest, RefusalsNameFileLineAndColumn) {
   EXPECT_REFUSED(INVALID_ARGUMENT, ":2:26: found 'reed', expected read, write,",
                  refuse("body albedo: real x1 [1] reed"));
   EXPECT_REFUSED(INVALID_ARGUMENT, "did you mean 'read'?", refuse("body a: real x1 [1] reed"));
+  EXPECT_REFUSED(INVALID_ARGUMENT, ":2:35: found 'none', expected the least value, such as min 0",
+                 refuse("body albedo: real x1 [1] read min none"));
   EXPECT_REFUSED(INVALID_ARGUMENT, ":2:31: the text is never closed",
                  refuse("body albedo: real x1 [1] read \"bright"));
   EXPECT_REFUSED(INVALID_ARGUMENT, ":2:31: found 'and', expected '\"'",

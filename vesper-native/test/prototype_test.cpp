@@ -24,6 +24,8 @@ TEST(PrototypeTest, StandardPrototypesDifferInPrecisionOnly) {
     EXPECT_STREQ(a.name, b.name);
     EXPECT_EQ(a.components, b.components) << a.name;
     EXPECT_EQ(a.law_access, b.law_access) << a.name;
+    EXPECT_EQ(a.has_minimum, b.has_minimum) << a.name;
+    EXPECT_EQ(a.minimum, 0) << a.name;
     if (a.scalar_type == VESPER_U32) {
       EXPECT_EQ(b.scalar_type, VESPER_U32) << a.name;
       EXPECT_STREQ(a.refers_to, "body") << a.name;
@@ -97,12 +99,12 @@ struct Draft {
     const auto real = [](const char* name, vesper_access access, const char* initial) {
       return vesper_property_descriptor{sizeof(vesper_property_descriptor), VESPER_F64, name,
                                         "body", 3, access, VESPER_UNIT_NEWTON, nullptr, initial,
-                                        nullptr};
+                                        nullptr, 0, 0, 0};
     };
     properties = {real("wind", VESPER_READ, nullptr),
                   real("sum", VESPER_READ | VESPER_ACCUMULATE, "wind"),
                   {sizeof(vesper_property_descriptor), VESPER_U32, "ends", "rope", 2, VESPER_READ,
-                   VESPER_UNIT_ONE, "body", nullptr, nullptr}};
+                   VESPER_UNIT_ONE, "body", nullptr, nullptr, 0, 0, 0}};
     prototype = {sizeof prototype, VESPER_F64, "draft", VESPER_UNIT_SECOND, 0, 0, nullptr};
   }
 
@@ -152,6 +154,14 @@ TEST(PrototypeTest, SpoiltDraftsAreRefusedByName) {
       {"property sum: initial_from", [](Draft& d) { d.properties[0].components = 2; }},
       {"property ends: a property with refers_to",
        [](Draft& d) { d.properties[2].law_access = VESPER_READ_WRITE; }},
+      {"property wind: has_minimum", [](Draft& d) { d.properties[0].has_minimum = 2; }},
+      {"property wind: a minimum",
+       [](Draft& d) {
+         d.properties[0].has_minimum = 1;
+         d.properties[0].minimum = NAN;
+       }},
+      {"property sum: a minimum", [](Draft& d) { d.properties[1].has_minimum = 1; }},
+      {"property ends: a minimum", [](Draft& d) { d.properties[2].has_minimum = 1; }},
       {"properties[1].struct_size", [](Draft& d) { d.properties[1].struct_size += 8; }},
   };
   for (const Case& spoilt : cases) {

@@ -1,4 +1,6 @@
 // Arrays of the client: adding, moving, sharing, removing, editing.
+#include <cmath>
+
 #include "test_kit.hpp"
 
 namespace vesper::test {
@@ -252,6 +254,38 @@ TEST_P(ProviderTest, ReferencesAreCheckedAgainWhenTheirTargetShrinks) {
   bodies.mass.resize(2);
   EXPECT_OK(engine.Rebind("mass", bodies.mass, 1));
   EXPECT_REFUSED(INVALID_ARGUMENT, "refers to row 2 of kind body", engine.Advance(1, 1));
+}
+
+TEST_P(ProviderTest, ValuesBelowTheirMinimumAreNamedBeforeALawSeesThem) {
+  for (const char* law : {"euler", "push"}) {
+    Bodies bodies(3);
+    bodies.mass = {0, -0.0, -1e-300};
+    TestEngine engine(Options());
+    engine.AddBodies(bodies);
+    engine.Load(law);
+    const vesper_error error = engine.Advance(1, 1);
+    EXPECT_REFUSED(INVALID_ARGUMENT, "property mass, row 2: is -1e-300, expected 0 or more [kg]",
+                   error);
+    EXPECT_STREQ(error.property, "mass");
+    EXPECT_EQ(error.row, 2u);
+    EXPECT_EQ(error.library_id, VESPER_NO_LIBRARY);
+    // Nothing has run, so there is no fault to clear.
+    bodies.mass[2] = 1;
+    EXPECT_OK(Touch(engine, {"mass"}));
+    EXPECT_OK(engine.Advance(1, 1));
+    bodies.mass[1] = -INFINITY;
+    EXPECT_OK(Touch(engine, {"position"}));
+    EXPECT_OK(Touch(engine, {"mass"}));
+    EXPECT_REFUSED(INVALID_ARGUMENT, "property mass, row 1: is -inf", engine.Advance(1, 1));
+  }
+}
+
+TEST_P(ProviderTest, SharedValuesAreHeldToTheirMinimumByRow) {
+  std::vector<double> radii = {0.5, -0.5};
+  const std::vector<uint32_t> rows = {0, 0, 0, 1};
+  TestEngine engine(Options());
+  EXPECT_OK(AddShared(engine, "radius", radii, rows));
+  EXPECT_REFUSED(INVALID_ARGUMENT, "property radius, row 3: is -0.5", engine.Advance(1, 1));
 }
 
 TEST_P(ProviderTest, LawsAreBoundAgainOnlyWhenTheirArraysChange) {

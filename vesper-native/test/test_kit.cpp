@@ -29,6 +29,7 @@ vesper_engine_config TestConfig(const EngineOptions& options) {
   config.validate = options.validate ? 1 : 0;
   config.threads = options.threads;
   config.deferred = options.deferred ? 1 : 0;
+  config.touches = options.touches ? 1 : 0;
   config.law_path = VESPER_TEST_LAWS;
   config.probe_timeout_ms = options.probe_timeout_ms;
   return config;

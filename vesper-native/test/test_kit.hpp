@@ -49,6 +49,7 @@ struct EngineOptions {
   const char* prototype = "si-f64";
   uint32_t probe_timeout_ms = 20000;
   bool deferred = false;
+  bool touches = false;
 };
 
 using Parameters = std::initializer_list<std::pair<const char*, double>>;

@@ -78,7 +78,10 @@ typedef struct vesper_engine_config {
    *  where they are; the client calls `vesper_engine_synchronize` before it reads, copies, moves or
    *  edits an array, and touches what it edited. Since 1.1. */
   uint32_t deferred;
-  uint32_t reserved;
+  /** 1: the client touches every array that it edited, so that what laws made of the others (copies
+   *  on a device, springs in another order) still holds; `deferred` 1 asks for the same. 0: any array
+   *  may have been edited between two calls. Since 1.1. */
+  uint32_t touches;
 } vesper_engine_config;
 
 /** What is known about one loaded law. */

@@ -131,6 +131,10 @@ typedef struct vesper_property_descriptor {
   const char* initial_from; /**< For accumulators: property of the same kind, type and unit that
                                  each stage's sum starts from instead of zero; null for zero. */
   const char* doc;          /**< One line, may be null. */
+  uint32_t has_minimum;     /**< 1: `minimum` counts. Only for numbers that laws READ. Since 1.1. */
+  uint32_t reserved;
+  double minimum; /**< Least value [unit] of every component: the client's arrays are held to it when
+                       they are added, rebound or touched. Since 1.1. */
 } vesper_property_descriptor;
 
 /** The contract of one use: which properties exist. The engine copies it at create; types and

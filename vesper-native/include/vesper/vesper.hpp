@@ -176,6 +176,8 @@ struct EngineConfig {
   std::string probe_path = {};
   /** Deferred writes stay where they are until Synchronize; see vesper_engine_config. */
   bool deferred = false;
+  /** The client touches every array that it edited. */
+  bool touches = false;
   /** Receives log lines (VESPER_LOG_..., text) on the calling thread. Must not throw. */
   std::function<void(uint32_t, const char*)> log = {};
 
@@ -186,6 +188,7 @@ struct EngineConfig {
     config.threads = threads;
     config.validate = validate ? 1 : 0;
     config.deferred = deferred ? 1 : 0;
+    config.touches = touches ? 1 : 0;
     config.law_path = law_path.c_str();
     if (!probe_path.empty()) config.probe_path = probe_path.c_str();
     if (log) {

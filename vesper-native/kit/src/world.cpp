@@ -52,7 +52,7 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
       if (known == all.end()) {
         all.push_back({sizeof(vesper_property_descriptor), use.scalar_type, use.name, use.kind,
                        use.components, use.access, use.unit, nullptr, nullptr,
-                       "Declared by the law."});
+                       "Declared by the law.", 0, 0, 0});
       } else if (known >= all.begin() + prototype.property_count) {
         known->law_access |= use.access;
       }
@@ -62,7 +62,8 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
     const auto named = [&](const auto& property) { return property.name == std::string(field.name); };
     if (std::ranges::any_of(all, named)) continue;
     all.push_back({sizeof(vesper_property_descriptor), VESPER_FIELD, field.name, "world",
-                   field.components, VESPER_READ, field.unit, nullptr, nullptr, field.doc});
+                   field.components, VESPER_READ, field.unit, nullptr, nullptr, field.doc, 0,
+                   0, 0});
   }
   std::ranges::stable_partition(all, std::not_fn(IsScratch));
   return all;

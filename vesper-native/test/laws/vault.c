@@ -70,13 +70,13 @@ static double* Values(vesper_law* law, int use) {
 }
 
 static vesper_status Pull(vesper_law* law, const vesper_step* step, vesper_error* error) {
-  (void)step;
   (void)error;
   const double* position = Values(law, 1);
   double* force = Values(law, 2);
   for (uint64_t i = 0; i < 3 * law->bound[1].row_count; ++i) {
     force[i] = -law->parameters[kStiffness] * position[i];
   }
+  if (law->parameters[kSpoil] == 1 && step->index == 2) force[7] = NAN;
   if (law->parameters[kCheat] == 1) ((double*)law->bound[2].data)[3] = 1;
   return VESPER_OK;
 }

@@ -44,8 +44,9 @@ public interface PhysicalPropertyProvider {
     PhysicalProperty findPhysicalProperty(String name);
 
     /**
-     * Says that values were edited in place, so that references are checked again and laws rebuild
-     * what they cache. Laws see edits of ordinary properties without it.
+     * Says that values were edited in place: references and least values are checked again, and
+     * laws rebuild what they made of the values, such as a copy on a device. What is edited without
+     * it may be overlooked.
      */
     void touch(String name);
 }

@@ -14,11 +14,13 @@ import org.jspecify.annotations.Nullable;
  * @param refersTo kind that this U32 property's values are rows of, or null
  * @param initialFrom for accumulators: property of the same kind, type and unit that each stage's
  *     sum starts from instead of zero, or null
+ * @param minimum least value that the client's arrays may hold [unit], for reals that laws only
+ *     read; negative infinity for any
  * @param doc one line, may be empty
  */
 public record PropertyDescriptor(String name, String kind, ScalarType type, int components,
                                  Set<Access> lawAccess, SiUnit unit, @Nullable String refersTo,
-                                 @Nullable String initialFrom, String doc) {
+                                 @Nullable String initialFrom, double minimum, String doc) {
     /** Copies the access set; refuses fewer than one component. */
     public PropertyDescriptor {
         Objects.requireNonNull(name, "name");
@@ -28,5 +30,13 @@ public record PropertyDescriptor(String name, String kind, ScalarType type, int 
                 + " components, expected at least 1");
         }
         lawAccess = Set.copyOf(lawAccess);
+    }
+
+    /** A property whose values may be any that its type holds. */
+    public PropertyDescriptor(String name, String kind, ScalarType type, int components,
+                              Set<Access> lawAccess, SiUnit unit, @Nullable String refersTo,
+                              @Nullable String initialFrom, String doc) {
+        this(name, kind, type, components, lawAccess, unit, refersTo, initialFrom,
+            Double.NEGATIVE_INFINITY, doc);
     }
 }

@@ -47,7 +47,8 @@ final class Mechanics {
         }
         Item world = simulation.world().find(WorldPrototype.WORLD).orElseThrow();
         gravity = has("gravity_field") ? world.physics().vector("gravity") : new double[3];
-        gravitationalConstant = has("newton_gravitation") ? world.physics().scalar("gravitationalConstant") : 0;
+        boolean attracts = has("newton_gravitation") || has("opencl_gravitation") || has("opencl_nbody");
+        gravitationalConstant = attracts ? world.physics().scalar("gravitationalConstant") : 0;
         softening = world.physics().scalar("softening");
     }
 

@@ -298,6 +298,10 @@ final class Changes {
                 throw new ActionRefused("out-of-range", column.name() + " of " + item.name()
                         + " cannot become " + value + ": it holds " + type);
             }
+            if (value < column.minimum()) {
+                throw new ActionRefused("out-of-range", column.name() + " of " + item.name()
+                        + " cannot become " + value + ": expected " + column.allowed());
+            }
         }
     }
 

@@ -54,7 +54,7 @@ final class DensityReader {
 
     private void set(Node node, ItemDefinition.Builder item, String name, double... values) {
         PropertyDescriptor property = prototype.find(WorldPrototype.BODY, name).orElseThrow();
-        if (physics.fits(node, property.type(), values)) {
+        if (physics.fits(node, property, values)) {
             item.physics(name, values);
         }
     }

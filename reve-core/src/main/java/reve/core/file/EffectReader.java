@@ -200,7 +200,7 @@ final class EffectReader {
     }
 
     private Optional<Operand> numbers(Node node, PropertyDescriptor property) {
-        return operands.numbers(node, property.components(), property.unit(), property.type());
+        return operands.numbers(node, property);
     }
 
     private boolean requirePhysics(Node node, Owner whose) {

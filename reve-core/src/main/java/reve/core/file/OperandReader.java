@@ -4,6 +4,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.Predicate;
 import java.util.regex.Pattern;
 import reve.core.access.Operand;
 import reve.core.rule.Expression;
@@ -14,6 +15,7 @@ import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
+import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.SemanticAspect;
 import reve.core.world.SymbolDescriptor;
@@ -48,8 +50,19 @@ final class OperandReader {
         return parameters;
     }
 
+    /** Numbers that a property can have. */
+    Optional<Operand> numbers(Node node, PropertyDescriptor property) {
+        return numbers(node, property.components(), property.unit(),
+                values -> physics.fits(node, property, values));
+    }
+
     /** So many numbers that fit a unit and a type. */
     Optional<Operand> numbers(Node node, int count, Unit unit, ScalarType type) {
+        return numbers(node, count, unit, values -> physics.fits(node, type, values));
+    }
+
+    private Optional<Operand> numbers(Node node, int count, Unit unit,
+            Predicate<double[]> fits) {
         if (isParameter(node)) {
             return named(node).filter(parameter -> suits(node, parameter, count, unit))
                     .map(Operand.Argument::new);
@@ -62,7 +75,7 @@ final class OperandReader {
             return Optional.empty();
         }
         return quantities.numbers(node, count, unit)
-                .filter(values -> physics.fits(node, type, values))
+                .filter(fits)
                 .map(values -> new Operand.Numbers(values, unit));
     }
 

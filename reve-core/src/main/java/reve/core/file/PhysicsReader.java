@@ -126,7 +126,19 @@ final class PhysicsReader {
     /** The value of a numeric property in its unit; empty and a problem if it does not fit. */
     Optional<double[]> numbers(Node node, PropertyDescriptor property) {
         return quantities.numbers(node, property.components(), property.unit())
-                .filter(values -> fits(node, property.type(), values));
+                .filter(values -> fits(node, property, values));
+    }
+
+    /** Whether the property can have the values; a problem is noted if not. */
+    boolean fits(Node node, PropertyDescriptor property, double[] values) {
+        for (double value : values) {
+            if (value < property.minimum()) {
+                problems.add(node, node.label() + ": found " + value + ", expected "
+                        + property.allowed());
+                return false;
+            }
+        }
+        return fits(node, property.type(), values);
     }
 
     /** Whether a column of the type can hold the values; a problem is noted if not. */

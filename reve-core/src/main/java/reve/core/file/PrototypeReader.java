@@ -12,10 +12,12 @@ import reve.core.world.WorldPrototype;
 /** Reads {@code prototype} and {@code properties}: which properties the items of a world have. */
 final class PrototypeReader {
     private final Problems problems;
+    private final Quantities quantities;
     private final Set<String> misdeclared = new HashSet<>();
 
     PrototypeReader(Problems problems) {
         this.problems = problems;
+        this.quantities = new Quantities(problems);
     }
 
     /** The standard prototype that the file names, with the properties that are declared. */
@@ -57,6 +59,11 @@ final class PrototypeReader {
         return WorldPrototype.standard(single ? "si-f32" : "si-f64");
     }
 
+    private double minimum(Node property, Unit unit) {
+        return property.get("min").flatMap(node -> quantities.number(node, unit))
+                .orElse(Double.NEGATIVE_INFINITY);
+    }
+
     private WorldPrototype extend(WorldPrototype prototype, Node node) {
         Optional<String> name = node.get("name").flatMap(Node::text);
         Optional<String> kind = node.get("kind").flatMap(Node::text);
@@ -72,7 +79,7 @@ final class PrototypeReader {
         };
         try {
             return prototype.extendedBy(List.of(new PropertyDescriptor(name.get(), kind.get(), type,
-                    components(node), unit.get(), Optional.empty(),
+                    components(node), unit.get(), Optional.empty(), minimum(node, unit.get()),
                     node.get("doc").flatMap(Node::text).orElse(""))));
         } catch (IllegalArgumentException refused) {
             problems.add(node.get("name").orElseThrow(), refused.getMessage());

@@ -125,6 +125,9 @@ public final class WorldWriter {
         if (!property.unit().equals(Unit.ONE)) {
             tree.put("unit", property.unit().symbol());
         }
+        if (Double.isFinite(property.minimum())) {
+            tree.put("min", YamlWriter.Numeral.of(property.minimum()));
+        }
         if (!property.doc().isEmpty()) {
             tree.put("doc", property.doc());
         }

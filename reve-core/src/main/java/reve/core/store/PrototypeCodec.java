@@ -50,6 +50,9 @@ public final class PrototypeCodec {
         tree.put("components", property.components());
         tree.put("unit", property.unit().symbol());
         property.refersTo().ifPresent(kind -> tree.put("refersTo", kind));
+        if (Double.isFinite(property.minimum())) {
+            tree.put("minimum", property.minimum());
+        }
         tree.put("doc", property.doc());
         return tree;
     }
@@ -65,6 +68,7 @@ public final class PrototypeCodec {
                 ScalarType.valueOf(Trees.text(tree, "type")),
                 (int) Trees.integer(tree, "components"), Unit.parse(Trees.text(tree, "unit")),
                 Optional.ofNullable(tree.get("refersTo")).map(JsonNode::asString),
+                tree.has("minimum") ? tree.get("minimum").asDouble() : Double.NEGATIVE_INFINITY,
                 Trees.text(tree, "doc"));
     }
 }

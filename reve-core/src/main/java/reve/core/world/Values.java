@@ -48,6 +48,10 @@ final class Values {
                 throw new IllegalArgumentException(at(item, name) + "is " + text(values)
                         + ", which does not fit type " + property.type());
             }
+            if (value < property.minimum()) {
+                throw new IllegalArgumentException(at(item, name) + "is " + text(values)
+                        + ", expected " + property.allowed());
+            }
         }
     }
 

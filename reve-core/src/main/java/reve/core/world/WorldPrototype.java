@@ -164,36 +164,37 @@ public final class WorldPrototype {
 
     private static List<PropertyDescriptor> standardPhysics(ScalarType real) {
         return List.of(
-                number(BODY, "mass", real, 1, "kg", "Inertial mass; 0 means immovable."),
+                notNegative(BODY, "mass", real, 1, "kg", "Inertial mass; 0 means immovable."),
                 number(BODY, "charge", real, 1, "C", "Electric charge."),
                 number(BODY, "velocity", real, 3, "m/s", "Velocity of the centre."),
                 number(BODY, "acceleration", real, 3, "m/s^2", "Acceleration in the last step."),
                 number(BODY, "externalForce", real, 3, "N", "Sum of the forces that laws applied."),
                 number(BODY, "appliedForce", real, 3, "N",
                         "Force given from outside, added to the laws' sum."),
-                number(BODY, "radius", real, 1, "m", "Radius that laws of contact use."),
+                notNegative(BODY, "radius", real, 1, "m", "Radius that laws of contact use."),
                 number(BODY, "angularVelocity", real, 3, "rad/s",
                         "Angular velocity."),
-                number(BODY, "inertia", real, 3, "kg*m^2", "Principal moments of inertia."),
+                notNegative(BODY, "inertia", real, 3, "kg*m^2", "Principal moments of inertia."),
                 number(BODY, "torque", real, 3, "N*m", "Sum of the torques that laws applied."),
                 number(BODY, "dragCoefficient", real, 1, "kg/m",
                         "Quadratic drag: force per squared speed."),
                 number(BODY, "linearDragCoefficient", real, 1, "kg/s",
                         "Linear drag: force per speed."),
                 number(SPRING, "springConstant", real, 1, "N/m", "Hooke's constant."),
-                number(SPRING, "length", real, 1, "m", "Rest length."),
+                notNegative(SPRING, "length", real, 1, "m", "Rest length."),
                 number(SPRING, "dampingConstant", real, 1, "N*s/m",
                         "Viscous damping along the spring."),
                 reference(SPRING, "end1", 1, "The body at one end."),
                 reference(SPRING, "end2", 1, "The body at the other end."),
                 reference(SURFACE, "vertices", 3, "The bodies at the corners."),
-                number(SURFACE, "hardness", real, 1, "N/m", "Stiffness against penetration."),
-                number(SURFACE, "surfaceDamping", real, 1, "N*s/m", "Damping against penetration."),
-                number(SURFACE, "frictionCoefficient", real, 1, "1", "Coulomb friction."),
+                notNegative(SURFACE, "hardness", real, 1, "N/m", "Stiffness against penetration."),
+                notNegative(SURFACE, "surfaceDamping", real, 1, "N*s/m",
+                        "Damping against penetration."),
+                notNegative(SURFACE, "frictionCoefficient", real, 1, "1", "Coulomb friction."),
                 number(WORLD, "gravitationalConstant", real, 1, "m^3/(kg*s^2)",
                         "Newton's constant."),
                 number(WORLD, "gravity", real, 3, "m/s^2", "Uniform gravity."),
-                number(WORLD, "softening", real, 1, "m",
+                notNegative(WORLD, "softening", real, 1, "m",
                         "Length below which gravitation is softened."),
                 number(WORLD, "coulombConstant", real, 1, "N*m^2/C^2", "Coulomb's constant."),
                 number(WORLD, "electricField", real, 3, "V/m", "Uniform electric field."),
@@ -218,6 +219,13 @@ public final class WorldPrototype {
             int components, String unit, String doc) {
         return new PropertyDescriptor(name, kind, type, components, Unit.parse(unit),
                 Optional.empty(), doc);
+    }
+
+    /** What has no meaning below 0. */
+    private static PropertyDescriptor notNegative(String kind, String name, ScalarType type,
+            int components, String unit, String doc) {
+        return new PropertyDescriptor(name, kind, type, components, Unit.parse(unit),
+                Optional.empty(), 0, doc);
     }
 
     private static PropertyDescriptor reference(String kind, String name, int components,

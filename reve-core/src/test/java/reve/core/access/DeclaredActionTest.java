@@ -103,6 +103,10 @@ class DeclaredActionTest {
                 new Effect.SetSymbol("heavy", new Operand.Symbol(true)),
                 new Effect.SetProperty("mass", new Operand.Argument(mass))))
                 .isEqualTo("out-of-range");
+        assertThat(refusal(world, "ball", Map.of("m", -1), List.of(mass),
+                new Effect.SetSymbol("heavy", new Operand.Symbol(true)),
+                new Effect.SetProperty("mass", new Operand.Argument(mass))))
+                .isEqualTo("out-of-range");
         assertThat(world.find("ball").orElseThrow().semantic().get("heavy")).isEmpty();
         assertThat(world.find("ball").orElseThrow().physics().scalar("mass")).isEqualTo(2);
     }

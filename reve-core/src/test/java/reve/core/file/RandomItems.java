@@ -47,6 +47,7 @@ final class RandomItems {
             if (property.kind().equals(WorldPrototype.BODY) && random.nextInt(4) == 0) {
                 double[] values = new double[property.components()];
                 Arrays.setAll(values, i -> real(random, prototype));
+                Arrays.setAll(values, i -> values[i] < property.minimum() ? -values[i] : values[i]);
                 item.physics(property.name(), values);
             }
         }

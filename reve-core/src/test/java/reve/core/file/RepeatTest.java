@@ -116,7 +116,7 @@ class RepeatTest {
                   - name: a{i}
                     repeat: 1000
                     physical: {location: "{10 * ball(3)}"}
-                    physics: {mass: "{random(1)}", velocity: "{sphere(2)}", inertia: "{box(4)}"}
+                    physics: {mass: "{random(1)}", velocity: "{sphere(2)}", torque: "{box(4)}"}
                 """;
         List<ItemDefinition> items = items(yaml);
 
@@ -128,7 +128,7 @@ class RepeatTest {
         assertThat(mean(items, "mass", 0)).isCloseTo(0.5, within(0.05));
         for (int axis = 0; axis < 3; axis++) {
             assertThat(mean(items, "velocity", axis)).isCloseTo(0, within(0.1));
-            assertThat(mean(items, "inertia", axis)).isCloseTo(0, within(0.1));
+            assertThat(mean(items, "torque", axis)).isCloseTo(0, within(0.1));
         }
         assertThat(items.stream().filter(item -> length(item.location()) < 5).count())
                 .as("an eighth of the ball").isBetween(80L, 170L);

@@ -46,6 +46,8 @@ class WorldFileProblemsTest {
             laws: [' ']                           ! 8  ! laws[0]: found text ` `, expected a text that is not blank and holds no control characters
             constants: {gravity: 3}               ! 22 ! gravity: found 1 number, expected 3 numbers in m/s^2
             constants: {gravty: 3}                ! 13 ! unknown physics property `gravty` of kind world; did you mean `gravity`?
+            constants: {softening: -2 cm}         ! 24 ! softening: found -0.02, expected 0 or more [m]
+            properties: [{name: a, kind: body, min: low}] ! 41 ! min: found text `low`, expected a number
             constants: {softening: yes}           ! 24 ! softening: found text `yes`, expected a number in m
             constants: {softening: true}          ! 24 ! softening: found `true`, expected a number, a text or a list
             constants: {softening: .nan}          ! 24 ! softening: `.nan` is not a finite number

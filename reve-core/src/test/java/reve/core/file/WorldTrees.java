@@ -104,17 +104,38 @@ final class WorldTrees {
     /** World files of the project, and the blocks of its documents that are whole ones. */
     static Map<String, Object> worlds() throws IOException {
         Map<String, Object> worlds = new TreeMap<>();
-        for (String folder : List.of("worlds", "agents", "tests", "bench")) {
-            for (Path file : files(folder, ".yaml")) {
-                worlds.put(file.toString(), loaded(Files.readString(file)));
+        texts().forEach((file, text) -> {
+            if (text.contains("reve: 1")) {
+                worlds.put(file, loaded(text));
             }
-        }
+        });
         blocks().forEach((place, text) -> {
             if (text.contains("reve: 1") && !text.contains("name: mistakes")) {
                 worlds.put(place, loaded(text));
             }
         });
         return worlds;
+    }
+
+    /** Files of the project that worlds include. */
+    static Map<String, Object> parts() throws IOException {
+        Map<String, Object> parts = new TreeMap<>();
+        texts().forEach((file, text) -> {
+            if (!text.contains("reve: 1")) {
+                parts.put(file, loaded(text));
+            }
+        });
+        return parts;
+    }
+
+    private static Map<String, String> texts() throws IOException {
+        Map<String, String> texts = new TreeMap<>();
+        for (String folder : List.of("worlds", "agents", "tests", "bench")) {
+            for (Path file : files(folder, ".yaml")) {
+                texts.put(file.toString(), Files.readString(file));
+            }
+        }
+        return texts;
     }
 
     /** YAML in documents, by its place. */

@@ -39,7 +39,7 @@ class WorldCodecTest {
 
     private static final WorldPrototype PROTOTYPE = WorldPrototype.standard("si-f64").extendedBy(
             List.of(new PropertyDescriptor("temperature", "body", ScalarType.F32, 1,
-                    Unit.parse("K"), Optional.empty(), "How hot it is."),
+                    Unit.parse("K"), Optional.empty(), 0, "How hot it is."),
                     new PropertyDescriptor("owner", "deed", ScalarType.REF, 2, Unit.ONE,
                             Optional.of("body"), "Who has it."))).withSymbols(List.of(
                     new SymbolDescriptor("reach", SymbolType.NUMBER, Unit.parse("km"), "How far.")));

@@ -80,6 +80,23 @@ class AspectsTest {
         assertThat(ball.semantic().get("heat")).isEmpty();
     }
 
+    @ParameterizedTest
+    @ValueSource(strings = {"mass", "radius"})
+    void refusesWhatIsBelowTheLeastValueAndKeepsTheOldOne(String property) {
+        Item ball = world.add(ItemDefinition.named("ball").physics(property, 5).build());
+        String unit = property.equals("mass") ? "kg" : "m";
+        assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set(property, -2))
+                .withMessage("item ball: " + property + " is -2.0, expected 0 or more ["
+                        + unit + "]");
+        assertThat(ball.physics().scalar(property)).isEqualTo(5);
+        ball.physics().set(property, -0.0);
+        ball.physics().set("charge", -2);
+        assertThatIllegalArgumentException().isThrownBy(() -> world.add(
+                        ItemDefinition.named("hole").physics(property, -1e-300).build()))
+                .withMessageStartingWith("item hole: " + property + " is -1.0E-300");
+        assertThat(world.findItem("hole")).isNull();
+    }
+
     @Test
     void refusesUnknownPropertiesAndWrongNumbersOfComponents() {
         Item ball = world.add(ItemDefinition.named("ball").physics("mass", 1).build());

@@ -80,10 +80,11 @@ final class LentWorld {
             .filter(LentColumn.class::isInstance).map(LentColumn.class::cast).toList();
     }
 
-    /** The item in a row of a property. */
-    Optional<Item> item(String property, long row) {
-        return Arrays.stream(properties).filter(p -> p.name().equals(property)).findFirst()
-            .filter(p -> row < p.table().physicsRowCount())
-            .map(p -> world.item(p.table().idAt((int) row)));
+    /** The item in one of the engine's rows of a kind. */
+    Optional<Item> item(String kind, long row) {
+        return Arrays.stream(properties).map(LentProperty::table)
+            .filter(table -> table.kind().equals(kind)).findFirst()
+            .filter(table -> row < table.physicsRowCount())
+            .map(table -> world.item(table.idAt((int) row)));
     }
 }

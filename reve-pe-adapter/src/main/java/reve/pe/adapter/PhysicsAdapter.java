@@ -147,7 +147,15 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
 
     private Optional<Item> itemOf(PhysicsException failure) {
         return failure.row().isEmpty() ? Optional.empty()
-            : lent.item(failure.property(), failure.row().getAsLong());
+            : kindOf(failure).flatMap(kind -> lent.item(kind, failure.row().getAsLong()));
+    }
+
+    /** Whose rows a failure counts: what a law remembers of each row is a property of its own. */
+    private Optional<String> kindOf(PhysicsException failure) {
+        return laws.loaded().stream().filter(law -> law.libraryId() == failure.libraryId())
+            .flatMap(law -> law.uses().stream())
+            .filter(use -> use.name().equals(failure.property()))
+            .map(PropertyUse::kind).findFirst();
     }
 
     private void keepWhatLawsMayWrite() {

@@ -91,8 +91,12 @@ public final class PropertyNames {
         reve.core.world.PropertyDescriptor first = columns.getFirst();
         int components =
             columns.stream().mapToInt(reve.core.world.PropertyDescriptor::components).sum();
+        // What laws write is not held to a least value; the world checks what others do.
+        double minimum = access.equals(Set.of(Access.READ)) ? first.minimum()
+            : Double.NEGATIVE_INFINITY;
         return new PropertyDescriptor(name, first.kind(), scalarType(first.type()), components,
-            access, unit(first.unit()), first.refersTo().orElse(null), initialFrom, first.doc());
+            access, unit(first.unit()), first.refersTo().orElse(null), initialFrom, minimum,
+            first.doc());
     }
 
     private static Set<Access> designersAccess(reve.core.world.PropertyDescriptor property) {

@@ -267,6 +267,7 @@ public final class VesperEngine implements PhysicsEngine {
         VesperLibrary.engineConfigInit(struct);
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "threads"), config.threads());
         struct.set(JAVA_INT, offset(ENGINE_CONFIG, "validate"), config.validate() ? 1 : 0);
+        struct.set(JAVA_INT, offset(ENGINE_CONFIG, "touches"), 1);
         struct.set(ADDRESS, offset(ENGINE_CONFIG, "law_path"), VesperStrings.write(arena,
             config.lawPath().stream().map(Path::toString).collect(Collectors.joining(":"))));
         struct.set(ADDRESS, offset(ENGINE_CONFIG, "log"),

@@ -45,7 +45,10 @@ final class VesperLayouts {
         UNIT.withName("unit"),
         ADDRESS.withName("refers_to"),
         ADDRESS.withName("initial_from"),
-        ADDRESS.withName("doc")).withName("vesper_property_descriptor");
+        ADDRESS.withName("doc"),
+        JAVA_INT.withName("has_minimum"),
+        JAVA_INT.withName("reserved"),
+        JAVA_DOUBLE.withName("minimum")).withName("vesper_property_descriptor");
 
     static final StructLayout PROTOTYPE = MemoryLayout.structLayout(
         JAVA_INT.withName("struct_size"),
@@ -88,7 +91,7 @@ final class VesperLayouts {
         ADDRESS.withName("log"),
         ADDRESS.withName("log_user"),
         JAVA_INT.withName("deferred"),
-        JAVA_INT.withName("reserved")).withName("vesper_engine_config");
+        JAVA_INT.withName("touches")).withName("vesper_engine_config");
 
     static final StructLayout LAW_INFO = MemoryLayout.structLayout(
         JAVA_INT.withName("struct_size"),

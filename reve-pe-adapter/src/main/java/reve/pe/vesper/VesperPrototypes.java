@@ -124,6 +124,10 @@ final class VesperPrototypes {
         writeString(arena, row, "refers_to", property.refersTo());
         writeString(arena, row, "initial_from", property.initialFrom());
         writeString(arena, row, "doc", property.doc());
+        if (property.minimum() != Double.NEGATIVE_INFINITY) {
+            row.set(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "has_minimum"), 1);
+            row.set(JAVA_DOUBLE, offset(PROPERTY_DESCRIPTOR, "minimum"), property.minimum());
+        }
     }
 
     private static void writeString(Arena arena, MemorySegment row, String field,
@@ -145,6 +149,9 @@ final class VesperPrototypes {
             readUnit(row.asSlice(offset(PROPERTY_DESCRIPTOR, "unit"), UNIT)),
             refersTo.isEmpty() ? null : refersTo,
             initialFrom.isEmpty() ? null : initialFrom,
+            row.get(JAVA_INT, offset(PROPERTY_DESCRIPTOR, "has_minimum")) == 0
+                ? Double.NEGATIVE_INFINITY
+                : row.get(JAVA_DOUBLE, offset(PROPERTY_DESCRIPTOR, "minimum")),
             VesperStrings.readAt(row, offset(PROPERTY_DESCRIPTOR, "doc")));
     }
 

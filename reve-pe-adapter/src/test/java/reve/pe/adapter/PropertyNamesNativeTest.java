@@ -38,7 +38,7 @@ class PropertyNamesNativeTest {
     void whatADesignerAddsIsAppended() {
         WorldPrototype world = WorldPrototype.standard("si-f64").extendedBy(List.of(
             new PropertyDescriptor("temperature", "body", ScalarType.F32, 1, Unit.parse("K"),
-                Optional.empty(), "Of the surface."),
+                Optional.empty(), 0, "Of the surface."),
             new PropertyDescriptor("axle", "wheel", ScalarType.REF, 2, Unit.parse("1"),
                 Optional.of("body"), "Both ends.")));
         Prototype prototype =
@@ -47,6 +47,7 @@ class PropertyNamesNativeTest {
         assertThat(temperature.type()).isEqualTo(reve.pe.ScalarType.F32);
         assertThat(temperature.lawAccess()).isEqualTo(Set.of(Access.READ, Access.WRITE));
         assertThat(temperature.unit().kelvin()).isEqualTo((byte) 1);
+        assertThat(temperature.minimum()).isEqualTo(Double.NEGATIVE_INFINITY);
         var axle = prototype.find("axle").orElseThrow();
         assertThat(axle.kind()).isEqualTo("wheel");
         assertThat(axle.type()).isEqualTo(reve.pe.ScalarType.U32);
