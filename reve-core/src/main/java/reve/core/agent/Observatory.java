@@ -57,7 +57,12 @@ final class Observatory {
     private int[] places = {};
     private Seen[] gathered = {};
     private int gatheredCount;
-    private int[] around = {};
+
+    /** Raised when items come, go or change their rows. */
+    private long arrangement;
+    /** The way that nothing has gone further than in this frame, and since the beginning [m]. */
+    private double moved;
+    private double path;
 
     /** Reads a frame. @return false if the snapshot was lost meanwhile; then nothing here is to be used */
     boolean read(WorldSnapshot snapshot) {
@@ -70,7 +75,7 @@ final class Observatory {
             if (others || table.ids().segment().mismatch(MemorySegment.ofArray(ids)) >= 0) {
                 findRows(table);
             }
-            bodies.load(table);
+            follow(table);
             readPlaces();
             everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
         } catch (RuntimeException e) {
@@ -117,7 +122,17 @@ final class Observatory {
         symbols = now;
     }
 
+    private void follow(TableSnapshot table) {
+        moved = bodies.follow(table);
+        if (moved < Double.POSITIVE_INFINITY) {
+            path += moved;
+        } else {
+            arrangement++;
+        }
+    }
+
     private void findRows(TableSnapshot table) {
+        arrangement++;
         ids = table.ids().segment().toArray(ValueLayout.JAVA_LONG);
         rows = new int[items.length];
         places = new int[ids.length];
@@ -192,11 +207,12 @@ final class Observatory {
     /**
      * What one sensor of a body senses now, and the body itself, in the order of ids.
      *
+     * @param around of the body, as far as that sensor reaches; kept up to date
      * @param before what it sensed before; the same list if it senses the same now
      */
-    List<Seen> sense(Sensor sensor, ItemId body, List<Seen> before) {
+    List<Seen> sense(Sensor sensor, ItemId body, Surroundings around, List<Seen> before) {
         int eye = everything.indexOf(body);
-        gather(sensor, eye);
+        gather(sensor, eye, around);
         return isGathered(before) ? before
                 : Collections.unmodifiableList(Arrays.asList(Arrays.copyOf(gathered, gatheredCount)));
     }
@@ -213,7 +229,7 @@ final class Observatory {
         return true;
     }
 
-    private void gather(Sensor sensor, int eye) {
+    private void gather(Sensor sensor, int eye, Surroundings around) {
         Seen[] shown = shownBy.computeIfAbsent(sensor,
                 its -> sensed.computeIfAbsent(Shown.by(its), unknown -> new Seen[items.length]));
         gatheredCount = 0;
@@ -229,10 +245,10 @@ final class Observatory {
             }
             return;
         }
-        lookAround(sensor, rows[eye]);
+        lookAround(sensor, rows[eye], around);
         boolean itself = false;
-        for (int k = 0; k < found.size(); k++) {
-            int i = around[k];
+        for (int k = 0; k < around.count; k++) {
+            int i = around.items[k];
             if (i > eye && !itself) {
                 gather(seen[eye]);
                 itself = true;
@@ -266,15 +282,26 @@ final class Observatory {
     }
 
     /** Finds all that a sensor of limited range can sense, and perhaps more, in the order of ids. */
-    private void lookAround(Sensor sensor, int eye) {
-        bodies.find(eye, sensor, WIDER * sensor.range(), found);
-        if (around.length < found.size()) {
-            around = new int[Math.max(found.size(), 2 * around.length)];
+    private void lookAround(Sensor sensor, int eye, Surroundings around) {
+        double range = sensor.range();
+        if (around.holds(range, arrangement, path)) {
+            return;
         }
-        for (int k = 0; k < found.size(); k++) {
-            around[k] = places[(int) found.key(k)];
+        if (Surroundings.isWithinMargin(range, moved)) {
+            bodies.find(eye, sensor, WIDER * range * (1 + Surroundings.MARGIN), found);
+            around.foundIn(arrangement, path);
+        } else {
+            bodies.find(eye, sensor, WIDER * range, found);
+            around.foundOnce();
         }
-        Arrays.sort(around, 0, found.size());
+        if (around.items.length < found.size()) {
+            around.items = new int[found.size() + found.size() / 4];
+        }
+        around.count = found.size();
+        for (int k = 0; k < around.count; k++) {
+            around.items[k] = places[(int) found.key(k)];
+        }
+        Arrays.sort(around.items, 0, around.count);
     }
 
     /** Whether any of a body's sensors senses an item now. */

@@ -33,6 +33,11 @@ final class SensedWorld {
     private double[] high = {};
     private int[] shape = {};
 
+    // As they were when they were last followed.
+    private double[] positionBefore = {};
+    private double[] lowBefore = {};
+    private double[] highBefore = {};
+
     /** Boxes by row, as far as somebody has asked since they were loaded. */
     private final BoxIndex index = new BoxIndex();
     private boolean indexed;
@@ -51,6 +56,38 @@ final class SensedWorld {
         read(bodies.column("boundsMin"), low, 3 * rows);
         read(bodies.column("boundsMax"), high, 3 * rows);
         MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0, shape, 0, rows);
+    }
+
+    /**
+     * Takes the bodies as they are now, in the rows in which they were before.
+     *
+     * @return a way that none of them, nor any corner of its box, has gone further than [m]; NaN or infinite if there
+     *     is none
+     */
+    double follow(TableView bodies) {
+        int before = rows;
+        positionBefore = keep(position, positionBefore);
+        lowBefore = keep(low, lowBefore);
+        highBefore = keep(high, highBefore);
+        load(bodies);
+        double along = Math.max(farthest(position, positionBefore),
+                Math.max(farthest(low, lowBefore), farthest(high, highBefore)));
+        return before == rows ? Math.sqrt(3) * along : Double.POSITIVE_INFINITY;
+    }
+
+    private double[] keep(double[] numbers, double[] into) {
+        double[] kept = into.length < numbers.length ? new double[numbers.length] : into;
+        System.arraycopy(numbers, 0, kept, 0, 3 * rows);
+        return kept;
+    }
+
+    /** The longest way along an axis. */
+    private double farthest(double[] now, double[] before) {
+        double most = 0;
+        for (int i = 0; i < Math.min(3 * rows, before.length); i++) {
+            most = Math.max(most, Math.abs(now[i] - before[i]));
+        }
+        return most;
     }
 
     private void reserve(int rowCount) {

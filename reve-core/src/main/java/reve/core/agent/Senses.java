@@ -13,6 +13,7 @@ import java.util.Optional;
 import java.util.Set;
 import java.util.TreeMap;
 import java.util.stream.Collectors;
+import java.util.stream.Stream;
 import reve.core.agent.Mentions.Mention;
 import reve.core.world.ItemId;
 import reve.core.world.Sensor;
@@ -28,6 +29,7 @@ final class Senses {
     private final List<Sensor> sensors;
     /** By sensor; all there once the agent has looked. */
     private final Sample[] samples;
+    private final Surroundings[] surroundings;
     private View view = new View(0, 0, List.of());
     /** Relations of what was not sensed since. */
     private Map<ItemId, Map<String, List<String>>> related = Map.of();
@@ -40,6 +42,7 @@ final class Senses {
         this.body = body;
         this.sensors = sensors;
         this.samples = new Sample[sensors.size()];
+        this.surroundings = Stream.generate(Surroundings::new).limit(sensors.size()).toArray(Surroundings[]::new);
     }
 
     ItemId body() {
@@ -62,7 +65,7 @@ final class Senses {
             Sensor sensor = sensors.get(i);
             if (before == null || all.frame() < before.frame || all.frame() - before.frame >= sensor.every()) {
                 samples[i] = new Sample(all.frame(),
-                        world.sense(sensor, body, before == null ? List.of() : before.items));
+                        world.sense(sensor, body, surroundings[i], before == null ? List.of() : before.items));
             }
         }
         view = new View(all.frame(), all.time(), merge(samples));

@@ -3,16 +3,20 @@ package reve.core.agent;
 import static org.assertj.core.api.Assertions.assertThat;
 
 import java.nio.charset.StandardCharsets;
+import java.util.ArrayList;
 import java.util.List;
+import java.util.Random;
 import org.junit.jupiter.api.Test;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Terms;
 import reve.core.derive.BoundingBoxes;
 import reve.core.unit.Unit;
+import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.Parameter;
+import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import reve.core.world.SnapshotRing;
 import reve.core.world.World;
@@ -72,5 +76,69 @@ class ObservatoryTest {
         assertThat(items.get(0).get("symbols").get("near")).hasToString("[\"cup\"]");
         assertThat(items.get(1).get("symbols").get("name").stringValue()).isEqualTo("cup");
         assertThat(items.get(2).get("symbols").has("on")).isFalse();
+    }
+
+    /** Things drift, at times one jumps, comes or goes. */
+    @Test
+    void whatIsSensedDoesNotDependOnWhatWasAroundInEarlierFrames() {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("seed of what drifts: -Dreve.test.seed=" + seed);
+        var random = new Random(seed);
+        var sensors = List.of(Sensor.sight("eyes", 4), Sensor.touch("skin").withRange(0.5),
+                Sensor.sight("far", 8).withFieldOfView(2));
+        int changes = 0;
+        try (var arena = new OffHeapArena()) {
+            World world = new World("test", WorldPrototype.standard("si-f64"), arena);
+            for (int i = 0; i < 150; i++) {
+                world.add(thing(random, "thing-" + i));
+            }
+            var remembering = world.items().stream().filter(item -> !item.kind().equals("world")).limit(10)
+                    .map(item -> new Senses(item.id(), sensors)).toList();
+            var ring = new SnapshotRing(world, 2);
+            var observatory = new Observatory();
+            var last = new ArrayList<List<String>>();
+            for (int frame = 1; frame <= 120; frame++) {
+                drift(random, world, frame, random.nextInt(3) * 0.01);
+                new BoundingBoxes().update(world);
+                ring.publish(frame, frame);
+                var fresh = new Observatory();
+                try (var snapshot = ring.acquireLatest().orElseThrow()) {
+                    assertThat(observatory.read(snapshot) && fresh.read(snapshot)).isTrue();
+                }
+                var sensed = new ArrayList<List<String>>();
+                for (Senses senses : remembering) {
+                    List<String> names = senses.look(observatory).items().stream().map(Seen::name).toList();
+                    assertThat(names).as("seed %d frame %d", seed, frame).isEqualTo(new Senses(senses.body(), sensors)
+                            .look(fresh).items().stream().map(Seen::name).toList());
+                    sensed.add(names);
+                }
+                changes += sensed.equals(last) ? 0 : 1;
+                last = sensed;
+            }
+        }
+        assertThat(changes).isGreaterThan(30);
+    }
+
+    private static ItemDefinition thing(Random random, String name) {
+        return ItemDefinition.named(name).shape(Shape.box(0.5, 1, random.nextDouble(0.1, 2)))
+                .at(random.nextDouble(-8, 8), random.nextDouble(-8, 8), random.nextDouble(-8, 8)).build();
+    }
+
+    private static void drift(Random random, World world, int frame, double most) {
+        for (Item item : world.items()) {
+            if (!item.kind().equals("world")) {
+                double[] at = item.physical().location();
+                for (int axis = 0; axis < 3; axis++) {
+                    at[axis] += random.nextDouble(-1, 1) * most;
+                }
+                item.physical().setLocation(at[0], at[1], at[2]);
+            }
+        }
+        switch (random.nextInt(20)) {
+            case 0 -> world.add(thing(random, "new-" + frame));
+            case 1 -> world.remove(world.find("thing-" + (149 - frame)).orElseThrow().id());
+            case 2 -> world.find("thing-20").orElseThrow().physical().setLocation(random.nextDouble(-8, 8), 0, 0);
+            default -> { }
+        }
     }
 }
