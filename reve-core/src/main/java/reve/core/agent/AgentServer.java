@@ -47,6 +47,7 @@ public final class AgentServer implements AutoCloseable {
     private final SelectionKey accepting;
     /** The event loop's own. */
     private final Set<Connection> connections = new HashSet<>();
+    private final Strangers strangers;
     private final TlsWire.Scratch tlsScratch = new TlsWire.Scratch();
     private final Queue<Connection> toWrite = new ConcurrentLinkedQueue<>();
     private final Optional<AuditLog> audit;
@@ -81,6 +82,7 @@ public final class AgentServer implements AutoCloseable {
             Optional<AuditLog> audit) throws IOException {
         this.audit = audit;
         this.config = config;
+        this.strangers = new Strangers(config.maxConnections() - config.maxConnections() / 4);
         this.listening = listening;
         this.address = (InetSocketAddress) listening.getLocalAddress();
         this.loop = new EventLoop(log, new LoopWork(), shortestLimit(config) / CHECKS_PER_DEADLINE);
@@ -304,7 +306,13 @@ public final class AgentServer implements AutoCloseable {
         }
     }
 
+    /** It has said hello. */
+    void known(Connection connection) {
+        strangers.remove(connection);
+    }
+
     void forget(Connection connection) {
+        strangers.remove(connection);
         if (connections.remove(connection)) {
             counters.open.decrement();
         }
@@ -362,11 +370,18 @@ public final class AgentServer implements AutoCloseable {
     private void admit(SocketChannel channel) {
         counters.connections.increment();
         if (connections.size() >= config.maxConnections()) {
-            turnAway(channel);
+            turnAway(channel, full());
             return;
         }
         try {
-            connections.add(new Connection(this, wire(channel)));
+            if (!strangers.haveRoomFor(((InetSocketAddress) channel.getRemoteAddress()).getAddress())) {
+                turnAway(channel, Ending.cut("too-many-connections",
+                        "too many connections from your address have not said hello"));
+                return;
+            }
+            var connection = new Connection(this, wire(channel));
+            connections.add(connection);
+            strangers.add(connection);
             counters.open.increment();
         } catch (IOException e) {
             closeQuietly(channel); // it has gone by itself
@@ -383,8 +398,7 @@ public final class AgentServer implements AutoCloseable {
                 "the server has " + config.maxConnections() + " clients, which is all it takes");
     }
 
-    private void turnAway(SocketChannel channel) {
-        Ending why = full();
+    private void turnAway(SocketChannel channel, Ending why) {
         counters.cut.increment();
         try (channel) {
             log.warn("a client at " + channel.getRemoteAddress() + " was turned away: " + why.getMessage());

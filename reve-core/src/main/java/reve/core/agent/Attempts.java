@@ -54,7 +54,8 @@ final class Attempts {
                 : Math.min(BURST, before.attempts + (nowNanos - before.atNanos) * PER_NANO);
     }
 
-    private static ByteBuffer network(InetAddress address) {
+    /** Those of one IPv6 network of 64 bits count as one. */
+    static ByteBuffer network(InetAddress address) {
         byte[] bytes = address.getAddress();
         return ByteBuffer.wrap(address instanceof Inet6Address ? Arrays.copyOf(bytes, NETWORK_BYTES) : bytes);
     }

@@ -329,6 +329,7 @@ final class Connection implements EventLoop.Handler {
                     "this server does not write " + Text.quote(hello.encoding()),
                     "say hello with \"encoding\":\"json\" or \"encoding\":\"msgpack\""));
             session = server.greet(this, hello);
+            server.known(this);
         }
     }
 

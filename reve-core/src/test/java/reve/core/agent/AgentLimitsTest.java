@@ -3,6 +3,8 @@ package reve.core.agent;
 import static org.assertj.core.api.Assertions.assertThat;
 
 import java.io.IOException;
+import java.net.InetSocketAddress;
+import java.net.Socket;
 import java.nio.charset.StandardCharsets;
 import java.time.Duration;
 import java.util.ArrayList;
@@ -299,6 +301,31 @@ class AgentLimitsTest {
             ada.socket.close();
             room.stepUntil("there is room", () -> room.server.stats().open() == 1);
             room.join("bob").close();
+        }
+    }
+
+    @Test
+    void anAddressThatOnlyConnectsLeavesRoomForOthers() throws IOException {
+        var silent = new ArrayList<TestClient>();
+        Duration later = Duration.ofMinutes(5);
+        AgentServerConfig config = with(AgentRoom.config(later, later, later, later), 8);
+        try (AgentRoom room = new AgentRoom(config); var socket = new Socket()) {
+            for (int i = 0; i < 6; i++) {
+                silent.add(room.connect().say("{'t':'ping'}"));
+                silent.getLast().expect("error", "hello-expected");
+            }
+            try (TestClient seventh = room.connect()) {
+                seventh.expectBye("too-many-connections");
+            }
+            socket.bind(new InetSocketAddress("127.0.0.2", 0));
+            socket.connect(room.server.address());
+            new TestClient(socket).say("{'t':'hello','protocol':1,'name':'bob','role':'observer'}").expect("welcome");
+            silent.getFirst().say("{'t':'hello','protocol':1,'name':'ada','role':'observer'}").expect("welcome");
+            room.join("eve").close();
+        } finally {
+            for (TestClient client : silent) {
+                client.close();
+            }
         }
     }
 
