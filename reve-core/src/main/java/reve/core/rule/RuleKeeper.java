@@ -79,6 +79,11 @@ final class RuleKeeper {
         return true;
     }
 
+    /** Everything counts as changed; no item has the id 0. */
+    void forget() {
+        Arrays.fill(ids, 0);
+    }
+
     void update(long frame) {
         int rows = rule.needsPhysics() ? table.physicsRowCount() : table.rowCount();
         makeRoom(rows);

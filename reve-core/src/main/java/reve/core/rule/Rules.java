@@ -24,6 +24,11 @@ public final class Rules {
         bus.subscribe(FramePhase.DERIVE, "rules", event -> update(event.frame()));
     }
 
+    /** The world was restored: what its items have may be other than what they were given here. */
+    public void forget() {
+        keepers.forEach(RuleKeeper::forget);
+    }
+
     /** Evaluates now, as part of that frame. */
     public void update(long frame) {
         for (int i = 0; i < keepers.size(); i++) {

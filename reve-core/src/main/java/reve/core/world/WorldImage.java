@@ -8,9 +8,9 @@ import org.pcollections.TreePMap;
 
 /**
  * Everything a world is at the end of a frame: all columns, which item is in which row, what is
- * symbolic, its age, and the last id given out. A world that takes it over with {@link World#restore} goes
- * on with the same bits. Its memory is its own, so it may be kept for as long as it is wanted, and
- * filled again and again. One thread at a time.
+ * symbolic, its age, forces that have not ended, and the last id given out. A world that takes it
+ * over with {@link World#restore} goes on with the same bits. Its memory is its own, so it may be
+ * kept for as long as it is wanted, and filled again and again. One thread at a time.
  */
 public final class WorldImage implements AutoCloseable {
 

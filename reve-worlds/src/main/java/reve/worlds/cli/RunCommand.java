@@ -1,6 +1,7 @@
 package reve.worlds.cli;
 
 import java.io.PrintWriter;
+import java.io.IOError;
 import java.io.IOException;
 import java.nio.file.Path;
 import java.util.Map;
@@ -108,6 +109,8 @@ public final class RunCommand implements Callable<Integer> {
                 new Journal.Plan(0, pacing == Pacing.FAST), RunLog.create(record.get()),
                 problem -> spec.commandLine().getErr().println("reve: recording: " + problem))) {
             return run(simulation, frames);
+        } catch (IOError ended) {
+            throw new IOException(ended.getCause().getMessage(), ended);
         }
     }
 

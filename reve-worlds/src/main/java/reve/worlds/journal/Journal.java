@@ -1,5 +1,7 @@
 package reve.worlds.journal;
 
+import java.io.IOError;
+import java.io.IOException;
 import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
@@ -26,8 +28,9 @@ import reve.pe.adapter.PhysicsAdapter;
  * whatever changed the world other than laws, and a digest of each frame. The world's thread copies
  * and sums up; threads of the journal's own write. No frame is published before the one before it is
  * written, so that the end of the process costs one frame at most, unless the disk lets the world
- * wait for too long. If writing fails the world goes on, and the journal with the next image. Made
- * and closed by the world's thread, between frames.
+ * wait for too long. If writing fails the world goes on, and the journal with the next image; a
+ * world whose journal itself has ended stops with an IOError. Made and closed by the world's thread,
+ * between frames.
  */
 public final class Journal implements AutoCloseable {
     private static final int FRAMES_WAITING = 2048;
@@ -108,19 +111,36 @@ public final class Journal implements AutoCloseable {
         subscriptions.clear();
         physics.laws().removeListener(lawListener);
         if (plan.imageFrames > 0 && lastImage >= 0 && lastFrame > lastImage) {
-            Entry entry = waitForEntry();
+            keepLastImage();
+        }
+        writer.end();
+        rooms.forEach(SimulationImage::close);
+        writer.failure().ifPresent(failure ->
+                problems.accept("the journal has ended before its last image: " + failure));
+    }
+
+    private void keepLastImage() {
+        Entry entry = waitForEntry();
+        if (entry != null) {
             entry.frame = lastFrame;
             entry.members = members;
             entry.last = true;
             entry.image = copy(lastFrame, true);
             ring.commit();
         }
-        writer.end();
-        rooms.forEach(SimulationImage::close);
+    }
+
+    /** @throws IOError if nothing more will be written */
+    private void requireWriter() {
+        writer.failure().ifPresent(failure -> {
+            throw new IOError(new IOException("the journal has ended after frame " + lastFrame
+                    + " was handed over: " + failure, failure));
+        });
     }
 
     /** What is announced is thereby at most one frame ahead of what is written. */
     private void awaitFrameBefore(FrameEvent frame) {
+        requireWriter();
         for (int i = 0; i < SPINS && !ring.isEmpty(); i++) {
             Thread.onSpinWait();
         }
@@ -140,6 +160,7 @@ public final class Journal implements AutoCloseable {
                         + " more than one frame");
             }
         }
+        requireWriter();
     }
 
     /** The last listener of ACT: what comes later is not seen by this frame's laws. */
@@ -156,6 +177,7 @@ public final class Journal implements AutoCloseable {
 
     private void handOver(FrameEvent frame) {
         Entry entry = plan.waits ? waitForEntry() : ring.next();
+        requireWriter();
         lastFrame = frame.frame();
         followMembers();
         if (entry == null) {
@@ -221,9 +243,10 @@ public final class Journal implements AutoCloseable {
         return room;
     }
 
-    private Entry waitForEntry() {
+    /** Null if the writer has ended. */
+    private @Nullable Entry waitForEntry() {
         Entry entry = ring.next();
-        while (entry == null) {
+        while (entry == null && writer.isWorking()) {
             LockSupport.parkNanos(PAUSE_NANOSECONDS);
             entry = ring.next();
         }

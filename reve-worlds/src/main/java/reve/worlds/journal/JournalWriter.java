@@ -2,6 +2,7 @@ package reve.worlds.journal;
 
 import java.io.IOException;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.ScheduledThreadPoolExecutor;
@@ -9,6 +10,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
+import org.jspecify.annotations.Nullable;
 import reve.pe.adapter.LawChange;
 import reve.pe.adapter.LawLibrary;
 
@@ -20,6 +22,7 @@ final class JournalWriter {
     private static final int SPINS = 1_000;
     private static final long SYNC_MILLISECONDS = 100;
     private static final int LAST_IMAGE_TRIES = 3;
+    private static final String NOTHING_KEPT = "; nothing is kept until an image can be written";
     private static final long BETWEEN_TRIES_NANOSECONDS = 200_000_000;
 
     private final EntryRing ring;
@@ -36,6 +39,7 @@ final class JournalWriter {
     /** False until an image is kept: what there is has to begin with one. */
     private boolean begun;
     private volatile boolean ending;
+    private volatile @Nullable Throwable failure;
 
     JournalWriter(WorldHeader header, int digestSize, EntryRing ring, Queue<SimulationImage> rooms,
             Journal.Plan plan, JournalSink sink, Consumer<String> problems) {
@@ -57,8 +61,14 @@ final class JournalWriter {
         LockSupport.unpark(thread);
     }
 
+    /** False when it has ended, by a failure perhaps: what waits in the ring then stays there. */
     boolean isWorking() {
-        return thread.isAlive();
+        return failure == null && thread.isAlive();
+    }
+
+    /** Why it has ended, unless it was told to. */
+    Optional<Throwable> failure() {
+        return Optional.ofNullable(failure);
     }
 
     /** Waits until everything that was handed over is written and the sink is closed. */
@@ -79,6 +89,17 @@ final class JournalWriter {
     }
 
     private void run() {
+        try {
+            writeAll();
+        } catch (Throwable e) { // the world's thread asks for it
+            failure = e;
+        } finally {
+            disk.close();
+            attempt(sink::close, "; what was written before is there");
+        }
+    }
+
+    private void writeAll() {
         while (true) {
             boolean last = ending; // asked first: nothing comes after it
             Entry entry = ring.peek();
@@ -86,8 +107,6 @@ final class JournalWriter {
                 take(entry);
                 ring.release();
             } else if (last) {
-                disk.close();
-                attempt(sink::close, "; what was written before is there");
                 return;
             } else {
                 waitForMore();
@@ -109,15 +128,23 @@ final class JournalWriter {
         void run() throws IOException;
     }
 
-    /** Whether it could be done; if not, somebody is told why, and what follows from it. */
+    /**
+     * Whether it could be done; if not, somebody is told why, and what follows from it. An Error,
+     * as for want of memory, costs no more than a disk that refuses.
+     */
     private boolean attempt(Step step, String consequence) {
         try {
             step.run();
             return true;
-        } catch (IOException | RuntimeException | LinkageError | VirtualMachineError e) {
-            problems.accept(e.getMessage() + consequence);
+        } catch (Throwable e) {
+            problems.accept(reason(e) + consequence);
             return false;
         }
+    }
+
+    private static String reason(Throwable failure) {
+        return failure instanceof IOException && failure.getMessage() != null ? failure.getMessage()
+                : failure.toString();
     }
 
     /** A frame that cannot be written costs the journal up to the next image, and nothing else. */
@@ -128,7 +155,10 @@ final class JournalWriter {
                     : "; a crash before the next image loses the frames from " + entry.frame + " on");
         }
         if (entry.image != null) {
-            keepImage(entry, entry.image);
+            SimulationImage image = entry.image;
+            if (!attempt(() -> keepImage(entry, image), NOTHING_KEPT)) {
+                begun = false;
+            }
         }
     }
 
@@ -152,19 +182,25 @@ final class JournalWriter {
     /** The frames go on meanwhile, unless they have nothing else to begin with. */
     private void keepImage(Entry entry, SimulationImage image) {
         Map<String, Long> members = entry.members;
-        JournalSink.Place place = sink.place();
-        frames.begin();
         int tries = entry.last ? LAST_IMAGE_TRIES : 1;
         String otherwise = begun && !entry.begins ? "; the image before it and the frames since are there"
-                : "; nothing is kept until an image can be written";
-        var kept = CompletableFuture.supplyAsync(
-                () -> keepImage(image, members, place, tries, otherwise), disk);
+                : NOTHING_KEPT;
+        CompletableFuture<Boolean> kept;
+        try {
+            JournalSink.Place place = sink.place();
+            frames.begin();
+            kept = CompletableFuture.supplyAsync(
+                    () -> writeImage(image, members, place, tries, otherwise), disk);
+        } catch (Throwable e) {
+            rooms.add(image); // else given back when it is written
+            throw e;
+        }
         if (entry.begins || !begun) {
             begun = kept.join();
         }
     }
 
-    private boolean keepImage(SimulationImage image, Map<String, Long> members,
+    private boolean writeImage(SimulationImage image, Map<String, Long> members,
             JournalSink.Place place, int tries, String otherwise) {
         try {
             Step step = () -> place.write(

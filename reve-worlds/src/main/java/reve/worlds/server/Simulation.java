@@ -60,6 +60,7 @@ public final class Simulation implements AutoCloseable {
     private final FrameLoop loop;
     private final PhysicsEngine engine;
     private final PhysicsAdapter physics;
+    private final Rules rules;
     private final RunEvents events = new RunEvents();
     private final Set<SimulationImage> kept = ConcurrentHashMap.newKeySet();
     private long snapshotNanoseconds;
@@ -98,6 +99,7 @@ public final class Simulation implements AutoCloseable {
                     world.prototype(), VesperEngine.standardPrototype(world.prototype().name()))));
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
+            rules = new Rules(world, description.rules());
             loop = new FrameLoop(world, bus, description.timing(), pacing);
             image.ifPresentOrElse(this::goOnFrom, this::begin);
         } catch (RuntimeException refused) {
@@ -107,7 +109,7 @@ public final class Simulation implements AutoCloseable {
         commands.subscribeTo(bus);
         bus.subscribe(FramePhase.PHYSICS, "physics", physics);
         DerivedColumns.subscribeTo(bus);
-        new Rules(world, description.rules()).subscribeTo(bus);
+        rules.subscribeTo(bus);
         onPublish("snapshots", this::publish);
         onPublish("run events", events);
     }
@@ -305,6 +307,7 @@ public final class Simulation implements AutoCloseable {
     private void restore(SimulationImage image, long frame) {
         loop.continueAfter(frame);
         world.restore(image.world());
+        rules.forget();
         physics.restore(frame, image.physics());
     }
 

@@ -2,7 +2,9 @@ package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
 
+import java.io.IOError;
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
@@ -12,11 +14,16 @@ import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Queue;
 import java.util.Random;
+import java.util.concurrent.ConcurrentHashMap;
+import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.CountDownLatch;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
@@ -204,6 +211,75 @@ class ReplayNativeTest {
                     record -> assertThat(replay.take(record)).isTrue()));
             assertThat(replay.release().loop().frame()).isEqualTo(100);
         }
+    }
+
+    /** As for want of memory; wherever it comes from, it costs what a refusing disk does. */
+    @ParameterizedTest
+    @ValueSource(strings = {"frame", "place", "image"})
+    void anErrorWhileItWritesCostsTheJournalUpToTheNextImage(String where) throws Exception {
+        List<List<JournalRecord>> kept = new ArrayList<>();
+        Queue<String> problems = new ConcurrentLinkedQueue<>();
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                        new Journal.Plan(20, true), breakingAtSecond(where, kept), problems::add)) {
+            simulation.loop().run(100);
+        }
+        assertThat(problems).isNotEmpty().first().asString().contains("java.lang.Error: broken");
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
+            kept.forEach(records -> records.forEach(
+                    record -> assertThat(replay.take(record)).isTrue()));
+            assertThat(replay.release().loop().frame()).isEqualTo(100);
+        }
+    }
+
+    @ParameterizedTest
+    @ValueSource(booleans = {true, false})
+    void aWorldWhoseJournalHasEndedStopsAndSaysWhy(boolean waits) {
+        Error cannotTell = new Error("nobody can be told");
+        try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
+            Journal journal = simulation.journal(WORLD.getParent(), Map.of(),
+                    new Journal.Plan(20, waits), breakingAtSecond("frame", new ArrayList<>()),
+                    problem -> {
+                        throw cannotTell;
+                    });
+
+            assertThatThrownBy(() -> simulation.loop().run(10_000)).isInstanceOf(IOError.class)
+                    .hasMessageContaining("the journal has ended after frame")
+                    .hasMessageContaining("nobody can be told");
+            assertThat(simulation.loop().frame()).isLessThan(5);
+            assertThatThrownBy(journal::close).isSameAs(cannotTell);
+        }
+    }
+
+    /** Throws an Error when asked for the second frame, place or image. */
+    private static JournalSink breakingAtSecond(String where, List<List<JournalRecord>> kept) {
+        return new ListSink(kept) {
+            private final Map<String, Integer> asked = new ConcurrentHashMap<>();
+
+            private void ask(String what) {
+                if (asked.merge(what, 1, Integer::sum) == 2 && what.equals(where)) {
+                    throw new Error("broken");
+                }
+            }
+
+            @Override
+            public void write(JournalRecord record) throws IOException {
+                if (record instanceof JournalRecord.Frame) {
+                    ask("frame");
+                }
+                super.write(record);
+            }
+
+            @Override
+            public Place place() {
+                ask("place");
+                Place place = super.place();
+                return (libraries, image) -> {
+                    ask("image");
+                    place.write(libraries, image);
+                };
+            }
+        };
     }
 
     /** The world goes on, and what is left out is made up for by an image. */

@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThatIllegalStateException;
 import static org.assertj.core.api.Assertions.catchThrowable;
 
 import java.lang.foreign.ValueLayout;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
@@ -15,6 +16,7 @@ import org.junit.jupiter.api.Test;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
+import reve.core.world.Item;
 import reve.core.world.WorldSnapshot;
 import reve.worlds.journal.SimulationImage;
 
@@ -86,6 +88,31 @@ class SimulationImageNativeTest {
             try (WorldSnapshot snapshot = live.snapshots().acquireLatest().orElseThrow()) {
                 assertThat(snapshot.frame()).isEqualTo(2 * FRAMES + 6);
                 assertThat(snapshot.timeSeconds()).isEqualTo(2.0);
+            }
+        }
+    }
+
+    /** The image has it from before the edit, and the rule saw the same number last. */
+    @Test
+    void whatARuleSaysFollowsFromWhatTheRewoundWorldIs() throws Exception {
+        byte[] text = """
+                reve: 1
+                name: slide
+                rules: {fast: "norm(physics.velocity) > 1.0"}
+                items: [{name: puck, physics: {mass: 1}}]
+                """.getBytes(StandardCharsets.UTF_8);
+        try (Simulation slide = new Simulation(WorldFile.parse("slide", text), Pacing.FAST)) {
+            slide.loop().run(1);
+            Item puck = slide.world().find("puck").orElseThrow();
+            puck.physics().set("velocity", 9, 0, 0);
+            try (SimulationImage image = slide.keep()) {
+                slide.loop().step();
+                assertThat(puck.semantic().get("fast")).contains(true);
+
+                slide.rewind(image);
+                slide.loop().run(0);
+
+                assertThat(puck.semantic().get("fast")).contains(true);
             }
         }
     }
