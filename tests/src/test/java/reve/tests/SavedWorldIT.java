@@ -8,7 +8,11 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+import java.util.TreeMap;
 import java.util.stream.Stream;
+import org.junit.jupiter.api.RepeatedTest;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -17,13 +21,18 @@ import reve.core.file.WorldFile;
 import reve.core.file.WorldWriter;
 import reve.core.frame.Pacing;
 import reve.core.frame.Timing;
+import reve.core.world.Action;
+import reve.core.world.ActionCall;
+import reve.core.world.ActionRefused;
+import reve.core.world.Arguments;
 import reve.core.world.Column;
-import reve.core.world.Forces;
 import reve.core.world.Item;
+import reve.core.world.ItemDefinition;
 import reve.core.world.ScalarType;
 import reve.core.world.Table;
 import reve.core.world.World;
 import reve.tests.Reve.Outcome;
+import reve.worlds.journal.SimulationImage;
 import reve.worlds.server.Simulation;
 
 /** A world that was saved to a world file goes on as if nothing had been. */
@@ -98,12 +107,125 @@ class SavedWorldIT {
     void whatItCannotHoldIsSaid() throws Exception {
         try (Simulation world = load(sample("spring-orbit"))) {
             assertThat(world.notDescribed()).isEmpty();
-            world.world().forces().add(new Forces.Force(
-                    world.world().find("red").orElseThrow().id(), List.of(1.0, 0.0, 0.0), 3));
             world.physics().laws().load(0, "surface_contact", Map.of());
-            assertThat(world.notDescribed()).containsExactly("forces that still act: 1",
+            assertThat(world.notDescribed()).containsExactly(
                     "what surface_contact remembers of earlier steps");
         }
+    }
+
+    /**
+     * A random world, to which random things happen while it runs. What is saved of it at any frame
+     * goes on as it does, to the bit, with what rules say and with forces that actions began.
+     */
+    @RepeatedTest(5)
+    void aRandomWorldGoesOnToTheBitFromAnyFrame() throws Exception {
+        long seed = Long.getLong("reve.test.seed", System.nanoTime());
+        System.out.println("SavedWorldIT seed " + seed);
+        Random random = new Random(seed);
+        Path begun = Files.writeString(folder.resolve("world.yaml"), randomWorld(random));
+        Path saved = folder.resolve("saved.yaml");
+        int forces = 0;
+        try (Simulation first = load(begun)) {
+            for (int frame = 0; frame < 40; frame++) {
+                happen(first.world(), random);
+                first.loop().step();
+                if (random.nextInt(8) > 0) {
+                    continue;
+                }
+                forces += first.world().forces().active().size();
+                WorldFile.save(saved, first.descriptionNow());
+                try (Simulation second = load(saved);
+                        SimulationImage image = first.keep();
+                        Simulation undisturbed = first.fork(image)) {
+                    undisturbed.world().guard().claim();
+                    for (int i = 1; i <= FRAMES; i++) {
+                        undisturbed.loop().step();
+                        second.loop().step();
+                        String what = "seed " + seed + ", saved after frame " + frame + ", " + i + " later";
+                        assertThat(second.physics().stateHash()).as(what)
+                                .isEqualTo(undisturbed.physics().stateHash());
+                        assertThat(state(second)).as(what).isEqualTo(state(undisturbed));
+                        assertThat(symbols(second.world())).as(what).isEqualTo(symbols(undisturbed.world()));
+                    }
+                }
+            }
+        }
+        assertThat(forces).as("forces that still acted, seed " + seed).isPositive();
+    }
+
+    private static String randomWorld(Random random) {
+        StringBuilder text = new StringBuilder("""
+                reve: 1
+                name: random
+                prototype: %s
+                frame: {rate: 60, steps: %d}
+                laws: [newton_motion, hooke_spring, {name: gravity_field}, drag]
+                constants: {gravity: [0, -1, 0]}
+                rules: {fast: "norm(physics.velocity) > 1.0"}
+                items:
+                """.formatted(random.nextBoolean() ? "si-f32" : "si-f64", 1 + random.nextInt(3)));
+        for (int i = 0; i < 12; i++) {
+            text.append("""
+                      - name: b%d
+                        physical: {shape: sphere, radius: 0.1, location: [%s, %s, %s]}
+                        physics: {mass: %s, dragCoefficient: 0.1}
+                        access: {push: {effects: [{force: [%s, 1, 0], for: %s}]}}
+                    """.formatted(i, random.nextGaussian(), random.nextGaussian(), random.nextGaussian(),
+                    random.nextInt(5) == 0 ? 0 : random.nextDouble(), random.nextGaussian(),
+                    random.nextDouble()));
+            if (i > 0) {
+                text.append("  - {name: s%d, kind: spring, physics: {end1: b%d, end2: b%d, length: 1, "
+                        .formatted(i, i, random.nextInt(i)))
+                        .append("springConstant: %s, dampingConstant: 0.1}}\n".formatted(random.nextDouble()));
+            }
+        }
+        return text.toString();
+    }
+
+    /** One thing that an actor or an operator may do to a world between two frames. */
+    private static void happen(World world, Random random) throws ActionRefused {
+        List<Item> bodies = world.items().stream().filter(item -> item.kind().equals("body")).toList();
+        Item item = bodies.get(random.nextInt(bodies.size()));
+        Item other = bodies.get(random.nextInt(bodies.size()));
+        switch (random.nextInt(8)) {
+            case 0, 1, 2 -> push(world, item);
+            case 3 -> item.physics().set("velocity", random.nextGaussian(), random.nextGaussian(), 0);
+            case 4 -> world.add(ItemDefinition.named("new " + world.lastId())
+                    .at(random.nextGaussian(), 0, 0).physics("mass", 0).build());
+            case 5 -> {
+                if (bodies.size() > 6) {
+                    world.removeCascade(item.id());
+                }
+            }
+            case 6 -> world.rename(item.id(), "renamed " + random.nextInt(1 << 20));
+            default -> {
+                item.physics().set("mass", 0);
+                if (item.parent().isPresent()) {
+                    world.detach(item.id());
+                } else if (!moves(other, item)) {
+                    world.attach(item.id(), other.id());
+                }
+            }
+        }
+    }
+
+    private static void push(World world, Item item) throws ActionRefused {
+        Optional<Action> push = item.access().find("push");
+        if (push.isPresent() && item.physics().scalar("mass") > 0) {
+            push.get().perform(new ActionCall(world, 0, item, Optional.empty(),
+                    Arguments.check(push.get(), Map.of())));
+        }
+    }
+
+    /** Whether an item is another one or moves with it. */
+    private static boolean moves(Item item, Item with) {
+        return item == with || item.parent().filter(parent -> moves(parent, with)).isPresent();
+    }
+
+    private static Map<String, Object> symbols(World world) {
+        Map<String, Object> symbols = new TreeMap<>();
+        world.items().forEach(item -> symbols.put(item.name(), item.semantic().symbols()));
+        return symbols;
     }
 
     /** Every number of every row that laws see, by bits, and what references refer to. */

@@ -186,7 +186,7 @@ class SeveralWorldsIT {
         }).build();
         return new WorldDescription(name, "", WorldPrototype.standard("si-f64"), Timing.DEFAULT, 0, List.of(),
                 Map.of(), Optional.empty(), new AgentPolicy(List.of(), Optional.of(body)), List.of(),
-                List.of(bomb));
+                List.of(bomb), List.of());
     }
 
     private static void awaitQuietly(CountDownLatch latch) {

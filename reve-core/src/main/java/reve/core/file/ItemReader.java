@@ -105,6 +105,12 @@ final class ItemReader {
         return names;
     }
 
+    /** The name of a body that takes part in physics; empty and a problem noted for any other. */
+    Optional<String> readPhysicalBody(Node name) {
+        return name.text().filter(
+                text -> resolve(new Reference(name, WorldPrototype.BODY, true)));
+    }
+
     /** The body that new agents get; the taker renames it. */
     ItemDefinition readTemplate(Node description) throws WorldFileException {
         Node template = completion.complete(description);
@@ -421,19 +427,28 @@ final class ItemReader {
             if (problems.full()) {
                 return;
             }
-            String name = reference.target.text().orElseThrow();
-            String subject = reference.target.label() + ": ";
-            Entry entry = byName.get(name);
-            if (entry == null) {
-                problems.add(reference.target, subject + "no item is named `" + Node.shorten(name)
-                        + "`" + Suggestion.of(name, byName.keySet()));
-            } else if (!entry.kind.equals(reference.kind)) {
-                problems.add(reference.target, subject + "`" + name + "` is a " + entry.kind
-                        + ", expected a " + reference.kind);
-            } else if (reference.needsPhysics && !entry.hasPhysics) {
-                problems.add(reference.target, subject + "`" + name + "` has no `physics`, so "
-                        + "nothing can hold on to it; mass 0 makes a body immovable");
-            }
+            resolve(reference);
         }
+    }
+
+    /** @return false and a problem noted if it is no mention of an item that is as it should be */
+    private boolean resolve(Reference reference) {
+        String name = reference.target.text().orElseThrow();
+        Entry entry = byName.get(name);
+        if (entry == null) {
+            return refuse(reference, "no item is named `" + Node.shorten(name) + "`"
+                    + Suggestion.of(name, byName.keySet()));
+        }
+        if (!entry.kind.equals(reference.kind)) {
+            return refuse(reference, "`" + name + "` is a " + entry.kind + ", expected a "
+                    + reference.kind);
+        }
+        return !reference.needsPhysics || entry.hasPhysics || refuse(reference, "`" + name
+                + "` has no `physics`, so nothing can hold on to it; mass 0 makes a body immovable");
+    }
+
+    private boolean refuse(Reference reference, String reason) {
+        problems.add(reference.target, reference.target.label() + ": " + reason);
+        return false;
     }
 }

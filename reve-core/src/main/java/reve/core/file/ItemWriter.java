@@ -153,12 +153,14 @@ public final class ItemWriter {
         if (!item.colour().equals(Colour.defaultOf(item.shape(), item.material()))) {
             aspect.put("colour", hex(item.colour()));
         }
+        // A column rounds what it keeps, but a pose in a parent's frame is kept as it is.
+        ScalarType real = item.parent().isPresent() ? ScalarType.F64 : prototype.realType();
         if (!isZero(item.location())) {
-            aspect.put("location", numbers(prototype.realType(), item.location()));
+            aspect.put("location", numbers(real, item.location()));
         }
         double[] turn = item.orientation();
         if (!isZero(turn[0], turn[1], turn[2]) || turn[3] != 1) {
-            aspect.put("orientation", numbers(prototype.realType(), turn));
+            aspect.put("orientation", numbers(real, turn));
         }
         return aspect;
     }

@@ -11,6 +11,7 @@ import java.util.Optional;
 import reve.core.frame.Timing;
 import reve.core.rule.Rule;
 import reve.core.world.ColumnArena;
+import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.World;
@@ -27,22 +28,24 @@ import reve.core.world.WorldPrototype;
  * @param camera empty if pictures choose their own
  * @param rules which symbols items get, in the order in which they are evaluated
  * @param items in the order of the file; they may refer to each other
+ * @param forces on items, in the order in which they are added up
  */
 public record WorldDescription(String name, String doc, WorldPrototype prototype, Timing timing,
         long age, List<LawReference> laws, Map<String, List<Double>> constants,
         Optional<CameraDescription> camera, AgentPolicy agents, List<Rule> rules,
-        List<ItemDefinition> items) {
+        List<ItemDefinition> items, List<LastingForce> forces) {
     public WorldDescription {
         laws = List.copyOf(laws);
         constants = Collections.unmodifiableMap(new LinkedHashMap<>(constants));
         rules = List.copyOf(rules);
         items = List.copyOf(items);
+        forces = List.copyOf(forces);
     }
 
     /** A world with nothing in it, no laws and no agents. */
     public static WorldDescription bare(String name, WorldPrototype prototype, Timing timing) {
         return new WorldDescription(name, "", prototype, timing, 0, List.of(), Map.of(),
-                Optional.empty(), AgentPolicy.none(), List.of(), List.of());
+                Optional.empty(), AgentPolicy.none(), List.of(), List.of(), List.of());
     }
 
     /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
@@ -53,6 +56,8 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
         constants.forEach((property, values) -> constantsItem.physics().set(property,
                 values.stream().mapToDouble(Double::doubleValue).toArray()));
         world.addAll(items);
+        forces.forEach(force -> world.forces().add(new Forces.Force(
+                world.find(force.item()).orElseThrow().id(), force.newtons(), force.frames())));
         return world;
     }
 
@@ -75,7 +80,17 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
                 .filter(body -> world.find(body).isPresent()).toList();
         return new WorldDescription(name, doc, prototype, timing, world.age(), nowLoaded, now, camera,
                 new AgentPolicy(bodies, agents.template(), agents.places()), rules,
-                inOrderOfRows(world).stream().map(Item::definition).toList());
+                inOrderOfRows(world).stream().map(Item::definition).toList(), forcesIn(world));
+    }
+
+    /** Those on items that have gone, or are scenery now, end with the next frame. */
+    private static List<LastingForce> forcesIn(World world) {
+        List<LastingForce> forces = new ArrayList<>();
+        for (Forces.Force force : world.forces().active()) {
+            world.find(force.item()).filter(item -> !item.physics().isEmpty()).ifPresent(item ->
+                    forces.add(new LastingForce(item.name(), force.newtons(), force.frames())));
+        }
+        return forces;
     }
 
     /**

@@ -40,6 +40,8 @@ final class WorldReader {
                 new ItemReader(prototype, physics, assets, source.files()::pathOf,
                         expansion::complete, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
+        var forceReader = new ForceReader(itemReader, prototype.realType(), problems);
+        List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
         List<LawReference> laws = laws(source.all("laws"));
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
@@ -48,7 +50,8 @@ final class WorldReader {
         List<Rule> rules = ruleReader.readRules(source.all("rules"), prototype);
         problems.throwIfAny();
         return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
-                timing(root), wholeNumber(root.get("frame"), "age", 0), laws, constants, camera, agents, rules, items);
+                timing(root), wholeNumber(root.get("frame"), "age", 0), laws, constants, camera,
+                agents, rules, items, forces);
     }
 
     private static String text(Node node, String key) {

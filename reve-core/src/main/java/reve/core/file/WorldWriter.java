@@ -19,6 +19,9 @@ import reve.core.world.WorldPrototype;
  * files of their own.
  */
 public final class WorldWriter {
+    /** As the schema says. */
+    private static final int MAX_FORCES = 10_000;
+
     private final WorldDescription world;
     private final ItemWriter items;
 
@@ -61,7 +64,25 @@ public final class WorldWriter {
             tree.put("rules", rules());
         }
         putIfAny(tree, "items", world.items().stream().map(items::tree).toList());
+        putIfAny(tree, "forces", forces());
         return tree;
+    }
+
+    private List<Object> forces() {
+        if (world.forces().size() > MAX_FORCES) {
+            throw new IllegalArgumentException("world " + world.name() + " has "
+                    + world.forces().size() + " forces that still act, of which a world file holds "
+                    + MAX_FORCES + ": save it when fewer do");
+        }
+        List<Object> forces = new ArrayList<>();
+        for (LastingForce force : world.forces()) {
+            Map<String, Object> tree = new LinkedHashMap<>();
+            tree.put("item", force.item());
+            tree.put("force", force.newtons().stream().map(YamlWriter.Numeral::of).toList());
+            tree.put("frames", YamlWriter.Numeral.of((double) force.frames()));
+            forces.add(tree);
+        }
+        return forces;
     }
 
     private static void putIfAny(Map<String, Object> tree, String key, List<?> values) {

@@ -10,6 +10,9 @@ import java.util.List;
  */
 public final class Forces {
 
+    /** Most frames that a force acts for. */
+    public static final long MAX_FRAMES = 1L << 53;
+
     private static final String COLUMN = "appliedForce";
 
     private final World world;
@@ -40,9 +43,9 @@ public final class Forces {
         framesPerSecond = newFramesPerSecond;
     }
 
-    /** The least number of frames, 1 or more, that last for so long [s]. */
+    /** The least number of frames, 1 to {@link #MAX_FRAMES}, that last for so long [s]. */
     public long frames(double seconds) {
-        return Math.max(1, (long) Math.ceil(seconds * framesPerSecond - 1e-9));
+        return Math.clamp((long) Math.ceil(seconds * framesPerSecond - 1e-9), 1, MAX_FRAMES);
     }
 
     /** Adds a force, from the next PHYSICS on. It ends early if the item goes. */

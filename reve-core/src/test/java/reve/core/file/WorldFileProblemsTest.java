@@ -27,7 +27,7 @@ class WorldFileProblemsTest {
     @ParameterizedTest(name = "{0}")
     @CsvSource(delimiter = '!', quoteCharacter = '\'', textBlock = """
             prototyp: si-f64                      ! 1  ! unknown key `prototyp`; did you mean `prototype`?
-            colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, agents, prefabs, symbols, rules, items
+            colour: red                           ! 1  ! unknown key `colour`; known here: reve, name, doc, include, prototype, properties, frame, laws, constants, camera, agents, prefabs, symbols, rules, items, forces
             prototype: si-f46                     ! 12 ! prototype: found text `si-f46`, expected one of `si-f64`, `si-f32`; did you mean `si-f64`?
             frame: {rate: 60.5}                   ! 15 ! rate: found number 60.5, expected a whole number
             frame: {rate: 0}                      ! 15 ! rate: found number 0, expected at least 1
@@ -65,6 +65,10 @@ class WorldFileProblemsTest {
             camera: {eye: [0, 0, 0], target: [0, 0, 0]} ! 34 ! target: is where the eye is
             camera: {eye: [0, 0, 0], target: [0, 9, 0]} ! 34 ! up: has no direction across the line of sight, expected another `up`
             camera: {eye: [0, 0, 0], target: [1, 0, 0], fov: 45} ! 50 ! fov: 45.0 rad is not between 0 and 180 deg; write degrees as `45 deg`
+            forces: [{item: on, force: [0, 1, 0], frames: 1}] ! 17 ! item: no item is named `on`; did you mean `one`?
+            forces: [{item: one, force: [0, 1, 0], frames: 0}] ! 48 ! frames: found number 0, expected at least 1
+            forces: [{item: one, force: 3 kg, frames: 1}] ! 29 ! force: unit kg does not fit N
+            forces: [{item: one, frames: 1}]      ! 10 ! forces[0]: `force` is missing
             agents: {}                            ! 9  ! agents: found a mapping, expected at least 1 in it
             agents: {bodies: [on]}                ! 19 ! bodies[0]: no item is named `on`; did you mean `one`?
             agents: {bodies: [one, one]}          ! 24 ! bodies[1]: `one` is listed twice

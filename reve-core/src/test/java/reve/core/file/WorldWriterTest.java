@@ -8,6 +8,7 @@ import java.util.Optional;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
 import reve.core.world.Column;
+import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
@@ -51,6 +52,7 @@ class WorldWriterTest {
                   - {name: b, like: p, physics: {heat: 300}}
                   - {name: s, kind: spring, physics: {end1: b, end2: a, length: 3 cm}}
                   - {name: flag, parent: a, physical: {location: [0, 1, 0]}}
+                forces: [{item: b, force: 0 2 0 kN, frames: 12}]
                 """);
 
         assertThat(WorldWriter.write(world)).isEqualTo("""
@@ -83,6 +85,8 @@ class WorldWriterTest {
                   - name: flag
                     parent: a
                     physical: {location: [0, 1, 0]}
+                forces:
+                  - {item: b, force: [0, 2000, 0], frames: 12}
                 """);
     }
 
@@ -127,9 +131,16 @@ class WorldWriterTest {
                     .reference("end2", held.get((end + 1) % held.size())).build());
         }
         items.add(ItemDefinition.named("lamp").kind("lamp").physics("size_x", 0).build());
+        List<LastingForce> forces = held.stream().filter(name -> random.nextBoolean())
+                .map(name -> new LastingForce(name, List.of(force(shell), force(shell), force(shell)),
+                        1 + random.nextLong(Forces.MAX_FRAMES))).toList();
         return new WorldDescription(shell.name(), RandomItems.text(random), shell.prototype(),
                 shell.timing(), random.nextLong(1L << 40), shell.laws(), shell.constants(), Optional.empty(),
-                AgentPolicy.none(), List.of(), items);
+                AgentPolicy.none(), List.of(), items, forces);
+    }
+
+    private double force(WorldDescription world) {
+        return RandomItems.real(random, world.prototype());
     }
 
     /** What happens to a world: rows move, and children are attached. */

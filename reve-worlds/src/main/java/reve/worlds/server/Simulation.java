@@ -184,10 +184,6 @@ public final class Simulation implements AutoCloseable {
     /** What the world has now that {@link #descriptionNow} leaves out, for people. World's thread. */
     public List<String> notDescribed() {
         List<String> left = new ArrayList<>();
-        int forces = world.forces().active().size();
-        if (forces > 0) {
-            left.add("forces that still act: " + forces);
-        }
         for (PhysicsLaw law : physics.laws().loaded()) {
             if (law.uses().stream().anyMatch(use -> use.access().contains(Access.SCRATCH))) {
                 left.add("what " + law.name() + " remembers of earlier steps");

@@ -1,0 +1,52 @@
+package reve.core.file;
+
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.List;
+import java.util.Optional;
+import reve.core.unit.Unit;
+import reve.core.world.ScalarType;
+
+/** Reads the forces that act when a world begins; the items are known by then. */
+final class ForceReader {
+    private static final Unit NEWTON = Unit.parse("N");
+
+    private final ItemReader items;
+    private final ScalarType real;
+    private final Problems problems;
+    private final Quantities quantities;
+
+    /** @param real type of the world's reals, which a force must fit */
+    ForceReader(ItemReader items, ScalarType real, Problems problems) {
+        this.items = items;
+        this.real = real;
+        this.problems = problems;
+        this.quantities = new Quantities(problems);
+    }
+
+    /** In the order of the file, without those that have a problem. */
+    List<LastingForce> readAll(Node list) {
+        List<LastingForce> forces = new ArrayList<>();
+        for (Node node : list.children()) {
+            Optional<String> item = node.get("item").flatMap(items::readPhysicalBody);
+            Optional<double[]> newtons = node.get("force").flatMap(this::newtons);
+            Optional<Double> frames = node.get("frames").flatMap(Node::number);
+            if (item.isPresent() && newtons.isPresent() && frames.isPresent()) {
+                forces.add(new LastingForce(item.get(),
+                        Arrays.stream(newtons.get()).boxed().toList(), frames.get().longValue()));
+            }
+        }
+        return forces;
+    }
+
+    private Optional<double[]> newtons(Node force) {
+        return quantities.numbers(force, 3, NEWTON).filter(newtons -> {
+            boolean fits = Arrays.stream(newtons).allMatch(real::holds);
+            if (!fits) {
+                problems.add(force, "force: " + Arrays.toString(newtons)
+                        + " N is not within the range of a 32-bit real; use prototype si-f64");
+            }
+            return fits;
+        });
+    }
+}
