@@ -37,6 +37,8 @@ final class Observatory {
     /** What is looked for reaches a little further than the sensor, whose own test decides. */
     private static final double WIDER = 1 + 1e-9;
     private static final int NO_ROW = -1;
+    /** A longer sum of ways would lose the short ones [m]. */
+    private static final double LONGEST_PATH = 1000;
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
@@ -124,9 +126,9 @@ final class Observatory {
 
     private void follow(TableSnapshot table) {
         moved = bodies.follow(table);
-        if (moved < Double.POSITIVE_INFINITY) {
-            path += moved;
-        } else {
+        path += moved;
+        if (!(path < LONGEST_PATH)) {
+            path = 0;
             arrangement++;
         }
     }
