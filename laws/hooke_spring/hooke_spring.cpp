@@ -18,12 +18,15 @@ using namespace vesper::hooke_spring;
 constexpr uint64_t kGrain = 16384;
 // Threads that can work at the same time: memory is reserved for so many of the largest tile.
 constexpr uint64_t kMostPlaces = 64;
+// Calls without an edit after which copying columns that are in order pays.
+constexpr uint64_t kSettled = 16;
 constexpr uint64_t kUnknown = UINT64_MAX;
 
 /** Springs with viscous damping along their axis. The bodies are cut into tiles; for each, all
  *  springs that hold one of its bodies are computed and summed in a fixed order, and what they do
  *  to bodies of other tiles is left to those. Springs given in an order that jumps about among the
- *  bodies are worked on from copies of their columns. */
+ *  bodies are worked on from copies of their columns in the order of tiles; others too, once nobody
+ *  has edited them for a while. */
 template <class Real>
 struct HookeSpring {
   static constexpr auto kName = "hooke_spring", kVersion = "1.0.0";
@@ -46,15 +49,15 @@ struct HookeSpring {
 
   void Bind() {
     if (endpoints.version() != endpoints_version_ || position.size() != bodies_) BuildTiles();
-    if (tiles_.in_row_order()) return;
     Follow(length, 0);
     Follow(hooke_constant, 1);
     Follow(damping_constant, 2);
   }
 
   void Advance(const Step& step) {
+    from_copies_ = !tiles_.in_row_order() || calls_since_edit_++ >= kSettled;
     for (Copied& copy : copies_) {
-      if (copy.stale) Update(copy, step);
+      if (from_copies_ && copy.stale) Update(copy, step);
     }
     step.ParallelFor(tiles_.tiles().size(), tiles_at_once_, [&](uint64_t begin, uint64_t end) {
       uint64_t place = 0;
@@ -81,7 +84,8 @@ struct HookeSpring {
     const Real* column = nullptr;
     uint64_t version = 0;
     bool stale = false;  // perhaps
-    std::vector<Real> rows, slots;
+    std::vector<Real> rows;
+    LargeArray<Real> slots;
   };
 
   void BuildTiles() {
@@ -93,6 +97,10 @@ struct HookeSpring {
 
   void Reserve() {
     copies_ = {};
+    for (Copied& copy : copies_) {  // Advance allocates nothing
+      copy.rows.reserve(endpoints.size());
+      copy.slots.reserve(tiles_.rows().size());
+    }
     taken_.reset();
     const uint64_t count = tiles_.tiles().size();
     tiles_at_once_ = std::max<uint64_t>(1, (count + kMostPlaces - 1) / kMostPlaces);
@@ -107,8 +115,9 @@ struct HookeSpring {
   template <class Column>
   void Follow(const Column& column, int place) {
     Copied& copy = copies_[place];
-    const bool known = copy.column != nullptr && copy.version == column.version();
+    const bool known = copy.column == column.data() && copy.version == column.version();
     copy.stale = copy.stale || !known;
+    if (!known) calls_since_edit_ = 0;
     copy.column = column.data();
     copy.version = column.version();
   }
@@ -140,34 +149,38 @@ struct HookeSpring {
 
   /** Adds the forces of a tile's springs to its own bodies. */
   void PullAt(const Tile& tile, uint64_t place) {
+    if (tile.part_count == 0) return;  // nor is there room reserved for its bodies
     Motion<Real>* motions = motions_.get() + place * tiles_.most_bodies();
     Forces<Real>* forces = forces_.get() + place * tiles_.most_slots() / kBatch;
     compiled_.take(position.data(), velocity.data(), position.size(), nullptr, tile.first_body,
                    tile.body_count, motions);
-    compiled_.take(position.data(), velocity.data(), position.size(),
-                   tiles_.others().data() + tile.first_other, 0, tile.other_count,
-                   motions + tile.body_count);
-    compiled_.pull(SpringsOf(tile), motions, forces);
-    compiled_.sum(forces, tiles_.pulls().data() + tile.first_pull,
-                  tiles_.pull_ends().data() + 2 * uint64_t{tile.first_body}, tile.body_count,
-                  &force[tile.first_body]);
+    for (uint64_t i = 0; i < tile.part_count; ++i) {
+      const Part& part = tiles_.parts()[tile.first_part + i];
+      compiled_.take(position.data(), velocity.data(), position.size(),
+                     tiles_.others().data() + part.first_other, 0, part.other_count,
+                     motions + tile.body_count);
+      compiled_.pull(SpringsOf(part), motions, forces);
+      compiled_.sum(forces, tiles_.pulls().data() + part.first_pull,
+                    tiles_.pull_counts().data() + part.first_count, tile.body_count,
+                    &force[tile.first_body]);
+    }
   }
 
-  TileSprings<Real> SpringsOf(const Tile& tile) const {
+  TileSprings<Real> SpringsOf(const Part& part) const {
     TileSprings<Real> springs{};
-    springs.count = tile.slot_count;
-    springs.first_ends = tiles_.first_ends().data() + tile.first_slot;
-    springs.second_ends = tiles_.second_ends().data() + tile.first_slot;
-    if (tiles_.in_row_order()) {
-      springs.rows = tiles_.rows().data() + tile.first_slot;
-      springs.first_rows = tiles_.first_rows().data() + tile.first_slot / kBatch;
+    springs.count = part.slot_count;
+    springs.first_ends = tiles_.first_ends().data() + part.first_slot;
+    springs.second_ends = tiles_.second_ends().data() + part.first_slot;
+    if (!from_copies_) {
+      springs.rows = tiles_.rows().data() + part.first_slot;
+      springs.first_rows = tiles_.first_rows().data() + part.first_slot / kBatch;
       springs.length = length.data();
       springs.hooke = hooke_constant.data();
       springs.damping = damping_constant.data();
     } else {
-      springs.length = copies_[0].slots.data() + tile.first_slot;
-      springs.hooke = copies_[1].slots.data() + tile.first_slot;
-      if (damping_constant.present()) springs.damping = copies_[2].slots.data() + tile.first_slot;
+      springs.length = copies_[0].slots.data() + part.first_slot;
+      springs.hooke = copies_[1].slots.data() + part.first_slot;
+      if (damping_constant.present()) springs.damping = copies_[2].slots.data() + part.first_slot;
     }
     return springs;
   }
@@ -178,7 +191,9 @@ struct HookeSpring {
   uint64_t endpoints_version_ = kUnknown;      // that the tiles are of
   uint64_t bodies_ = 0;
   uint64_t tiles_at_once_ = 1;                 // that a thread takes
-  std::array<Copied, 3> copies_;               // length, hooke, damping; if not in order of rows
+  std::array<Copied, 3> copies_;               // length, hooke, damping
+  bool from_copies_ = false;                   // springs are read
+  uint64_t calls_since_edit_ = 0;              // of one of these columns
   std::unique_ptr<Motion<Real>[]> motions_;    // (places x most_bodies of tiles_)
   std::unique_ptr<Forces<Real>[]> forces_;     // (places x most_slots / kBatch)
   std::unique_ptr<std::atomic_flag[]> taken_;  // (places); null: nothing is reserved

@@ -253,18 +253,25 @@ TYPED_TEST(HookeSpringTest, BitsDoNotDependOnTheNumberOfThreads) {
   }
 }
 
+// However many steps nothing was edited; by a client that says what it edits, and by others.
 TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   for (const bool shuffled : {false, true}) {
-    auto scene = Chain<TypeParam>(shuffled);
-    PhysicsEngine engine = scene.MakeEngine();
-    engine.LoadPhysicsLaw("hooke_spring");
-    engine.Advance(0.01);
-    auto doubled = scene.external_force;
-    for (TypeParam& f : doubled) f *= 2;
-    for (TypeParam& k : scene.hooke_constant) k *= 2;
-    for (TypeParam& c : scene.damping_constant) c *= 2;
-    engine.Advance(0.01);
-    EXPECT_EQ(scene.external_force, doubled);
+    for (const bool deferred : {false, true}) {
+      auto scene = Chain<TypeParam>(shuffled);
+      PhysicsEngine engine = scene.MakeEngine(1, true, deferred);
+      engine.LoadPhysicsLaw("hooke_spring");
+      for (const uint32_t steps : {1u, 2u, 40u, 3u, 40u, 1u}) {
+        engine.Advance(0.01, steps);
+        auto doubled = scene.external_force;
+        for (TypeParam& f : doubled) f *= 2;
+        for (TypeParam& k : scene.hooke_constant) k *= 2;
+        for (TypeParam& c : scene.damping_constant) c *= 2;
+        if (deferred) engine.PropertyProvider().Touch({"hookeConstant", "dampingConstant"});
+        engine.Advance(0.01);
+        EXPECT_EQ(scene.external_force, doubled)
+            << "shuffled " << shuffled << ", deferred " << deferred << ", steps " << steps;
+      }
+    }
   }
 }
 
@@ -408,6 +415,27 @@ TYPED_TEST(HookeSpringTest, EditedEndpointsActOnceTouched) {
   engine.PropertyProvider().Touch({"endpoints"});
   engine.Advance(0.01);
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{0, 20, 0, 0, 0, 0, 0, -20, 0}));
+}
+
+TYPED_TEST(HookeSpringTest, BodiesThatLoseTheirLastSpringAreLeftAlone) {
+  Scene<TypeParam> scene;
+  for (int i = 0; i < 5000; ++i) scene.AddBody(1, {static_cast<TypeParam>(3 * i), 0, 0});
+  scene.AddSpring(0, 1, 2, 10);
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.LoadPhysicsLaw("hooke_spring");
+  engine.Advance(0.01);
+  EXPECT_EQ(scene.external_force[0], 10);
+  scene.endpoints.clear();
+  for (auto* column : {&scene.length, &scene.hooke_constant, &scene.damping_constant}) {
+    column->clear();
+  }
+  PhysicalPropertyProvider provider = engine.PropertyProvider();
+  provider.RebindPhysicalProperty("endpoints", scene.endpoints);
+  provider.RebindPhysicalProperty("length", scene.length);
+  provider.RebindPhysicalProperty("hookeConstant", scene.hooke_constant);
+  provider.RebindPhysicalProperty("dampingConstant", scene.damping_constant);
+  engine.Advance(0.01);
+  EXPECT_EQ(scene.external_force, std::vector<TypeParam>(3 * 5000));
 }
 
 }  // namespace

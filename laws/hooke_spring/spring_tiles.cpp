@@ -4,6 +4,7 @@
 #include <bit>
 #include <numeric>
 #include <stdexcept>
+#include <utility>
 
 namespace vesper::hooke_spring {
 namespace {
@@ -12,7 +13,7 @@ constexpr uint32_t kNowhere = UINT32_MAX;
 constexpr uint64_t kUnknown = UINT64_MAX;
 // Bodies of a tile: enough for its springs to be worth a task, and so few that they stay in the
 // second-level cache.
-constexpr uint64_t kFewest = 2048, kMost = 8192;
+constexpr uint64_t kFewestBodies = 2048, kMostBodies = 8192;
 // Tiles to aim at: enough for the processors of a desktop.
 constexpr uint64_t kTiles = 8;
 // Bodies from one spring to the next, on average, beyond which memory is worth a new order.
@@ -56,19 +57,14 @@ bool SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
   }
   Cut(endpoints, bodies);
   Deal(endpoints, order);
+  parts_.clear();
   others_.clear();
+  pulls_.clear();
+  pull_counts_.clear();
   place_.assign(bodies, kNowhere);
   most_bodies_ = most_slots_ = 0;
-  pulls_.resize(2 * endpoints.size());
-  pull_ends_.resize(2 * bodies);
-  uint64_t pulls = 0;
-  for (Tile& tile : tiles_) {
-    Localize(endpoints, tile);
-    tile.first_pull = pulls;
-    pulls += ListPulls(endpoints, tile);
-    most_bodies_ = std::max(most_bodies_, tile.body_count + tile.other_count);
-    most_slots_ = std::max(most_slots_, tile.slot_count);
-  }
+  pulls_.reserve(2 * endpoints.size());
+  for (Tile& tile : tiles_) Split(endpoints, tile);
   endpoints_.assign(endpoints.begin(), endpoints.end());
   bodies_ = bodies;
   return true;
@@ -76,13 +72,13 @@ bool SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
 
 /// Lays out the tiles, with room for their springs.
 void SpringTiles::Cut(std::span<const Ends> endpoints, uint64_t bodies) {
-  const uint64_t fewest = std::bit_ceil((bodies + kMost - 1) / kMost);
-  const uint64_t most = std::max(fewest, std::min(kTiles, std::bit_floor(bodies / kFewest)));
+  const uint64_t fewest = std::bit_ceil((bodies + kMostBodies - 1) / kMostBodies);
+  const uint64_t most = std::max(fewest, std::min(kTiles, std::bit_floor(bodies / kFewestBodies)));
   tile_size_ = std::max<uint64_t>(1, (bodies + most - 1) / most);
   tiles_.clear();
   for (uint64_t first = 0; first < bodies; first += tile_size_) {
     tiles_.push_back({static_cast<uint32_t>(first),
-                      static_cast<uint32_t>(std::min(tile_size_, bodies - first)), 0, 0, 0, 0, 0});
+                      static_cast<uint32_t>(std::min(tile_size_, bodies - first)), 0, 0, 0, 0});
   }
   for (const auto& [a, b] : endpoints) {
     ++tiles_[a / tile_size_].slot_count;
@@ -125,47 +121,67 @@ void SpringTiles::Deal(std::span<const Ends> endpoints, std::span<const uint32_t
   }
 }
 
-/// Turns ends into places among the tile's bodies.
-void SpringTiles::Localize(std::span<const Ends> endpoints, Tile& tile) {
-  tile.first_other = others_.size();
-  const auto local = [&](uint32_t body) {
-    if (body - tile.first_body < tile.body_count) return 4 * (body - tile.first_body);
-    if (place_[body] == kNowhere) {
-      place_[body] = static_cast<uint32_t>(tile.body_count + others_.size() - tile.first_other);
-      others_.push_back(body);
-    }
-    return 4 * place_[body];
-  };
+/// Cuts a tile's springs into parts.
+void SpringTiles::Split(std::span<const Ends> endpoints, Tile& tile) {
+  tile.first_part = parts_.size();
   const uint64_t end = tile.first_slot + tile.slot_count;
-  for (uint64_t slot = tile.first_slot; slot < end; ++slot) {
-    const auto [a, b] = endpoints[rows_[slot]];
-    first_ends_[slot] = local(a);
-    second_ends_[slot] = FillsUp(tile, slot) ? first_ends_[slot] : local(b);
+  for (uint64_t slot = tile.first_slot; slot < end;) {
+    parts_.push_back({slot, 0, others_.size(), 0, pulls_.size(), pull_counts_.size()});
+    Part& part = parts_.back();
+    for (; slot < end && !IsFull(tile, part); slot += kBatch) Localize(endpoints, tile, part);
+    for (uint64_t i = part.first_other; i < others_.size(); ++i) place_[others_[i]] = kNowhere;
+    ListPulls(endpoints, tile, part);
+    most_bodies_ = std::max(most_bodies_, tile.body_count + part.other_count);
+    most_slots_ = std::max(most_slots_, part.slot_count);
   }
-  tile.other_count = others_.size() - tile.first_other;
-  for (uint64_t i = tile.first_other; i < others_.size(); ++i) place_[others_[i]] = kNowhere;
+  tile.part_count = parts_.size() - tile.first_part;
 }
 
-/// Returns how many there are.
-uint64_t SpringTiles::ListPulls(std::span<const Ends> endpoints, const Tile& tile) {
-  const std::span<uint32_t> ends(pull_ends_.data() + 2 * uint64_t{tile.first_body},
-                                 2 * uint64_t{tile.body_count});
-  std::ranges::fill(ends, 0);
+/// Whether another batch may be too much.
+bool SpringTiles::IsFull(const Tile& tile, const Part& part) const {
+  return part.slot_count + kBatch > kMost ||
+         tile.body_count + part.other_count + 2 * kBatch > kMost;
+}
+
+/// Adds a batch to a part, and turns its ends into places.
+void SpringTiles::Localize(std::span<const Ends> endpoints, const Tile& tile, Part& part) {
+  const auto place = [&](uint32_t body) {
+    if (body - tile.first_body < tile.body_count) return body - tile.first_body;
+    if (place_[body] == kNowhere) {
+      place_[body] = static_cast<uint32_t>(tile.body_count + part.other_count++);
+      others_.push_back(body);
+    }
+    return place_[body];
+  };
+  for (uint32_t i = 0; i < kBatch; ++i) {
+    const uint64_t slot = part.first_slot + part.slot_count++;
+    const auto [a, b] = endpoints[rows_[slot]];
+    first_ends_[slot] = static_cast<uint16_t>(place(a));
+    second_ends_[slot] =
+        FillsUp(tile, slot) ? first_ends_[slot] : static_cast<uint16_t>(place(b));
+  }
+}
+
+void SpringTiles::ListPulls(std::span<const Ends> endpoints, const Tile& tile, const Part& part) {
   const auto for_each = [&](auto&& visit) {
-    for (uint64_t i = 0; i < tile.slot_count; ++i) {
-      if (FillsUp(tile, tile.first_slot + i)) continue;
+    for (uint64_t i = 0; i < part.slot_count; ++i) {
+      if (FillsUp(tile, part.first_slot + i)) continue;
       for (uint32_t end = 0; end < 2; ++end) {
-        const uint32_t body = endpoints[rows_[tile.first_slot + i]][end] - tile.first_body;
-        if (body < tile.body_count) visit(2 * body + end, static_cast<uint32_t>(i));
+        const uint32_t body = endpoints[rows_[part.first_slot + i]][end] - tile.first_body;
+        if (body < tile.body_count) visit(2 * body + end, static_cast<uint16_t>(i));
       }
     }
   };
-  uint64_t count = 0;
-  for_each([&](uint32_t list, uint32_t) { ++ends[list], ++count; });
-  std::exclusive_scan(ends.begin(), ends.end(), ends.begin(), 0u);
-  // Filling moves each beginning to the end.
-  for_each([&](uint32_t list, uint32_t slot) { pulls_[tile.first_pull + ends[list]++] = 4 * slot; });
-  return count;
+  pull_counts_.resize(part.first_count + 2 * uint64_t{tile.body_count}, 0);
+  uint16_t* counts = pull_counts_.data() + part.first_count;
+  for_each([&](uint32_t list, uint16_t) { ++counts[list]; });
+  std::vector<uint64_t> next(2 * uint64_t{tile.body_count});
+  uint64_t end = part.first_pull;
+  for (uint64_t list = 0; list < next.size(); ++list) {
+    next[list] = std::exchange(end, end + counts[list]);
+  }
+  pulls_.resize(end);
+  for_each([&](uint32_t list, uint16_t slot) { pulls_[next[list]++] = slot; });
 }
 
 }  // namespace vesper::hooke_spring

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 
-#include "all_pairs/pair_sums.hpp"
+#include "all_pairs/instruction_set.hpp"
 #include "tile_forces.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -68,17 +68,17 @@ HWY_INLINE Axes<double> Transpose(V<double> a, V<double> b, V<double> c, V<doubl
           hn::ConcatUpperUpper(l, cd, ab)};
 }
 
-/// Second minus first end; for a place among the bodies see SpringTiles.
+/// Second minus first end, of positions or velocities of motions.
 template <class Real>
-HWY_INLINE V<Real> Difference(const Real* bodies, uint32_t first, uint32_t second) {
+HWY_INLINE V<Real> Difference(const Real* values, uint16_t first, uint16_t second) {
+  constexpr uint64_t kStride = sizeof(Motion<Real>) / sizeof(Real);
   const Lanes<Real> l;
-  return hn::Sub(hn::Load(l, bodies + uint64_t{2} * second),
-                 hn::Load(l, bodies + uint64_t{2} * first));
+  return hn::Sub(hn::Load(l, values + kStride * second), hn::Load(l, values + kStride * first));
 }
 
 /// A batch of springs, into place `at` of the block.
 template <bool damped>
-HWY_INLINE void Take(const uint32_t* a, const uint32_t* b, const Motion<float>* motions,
+HWY_INLINE void Take(const uint16_t* a, const uint16_t* b, const Motion<float>* motions,
                      uint64_t at, Block<float>& block) {
   const Lanes<float> l;
   const float* p = motions->position;  // and the velocity in the upper half
@@ -98,7 +98,7 @@ HWY_INLINE void Take(const uint32_t* a, const uint32_t* b, const Motion<float>* 
   }
 }
 template <bool damped>
-HWY_INLINE void Take(const uint32_t* a, const uint32_t* b, const Motion<double>* motions,
+HWY_INLINE void Take(const uint16_t* a, const uint16_t* b, const Motion<double>* motions,
                      uint64_t at, Block<double>& block) {
   const Lanes<double> l;
   const double *p = motions->position, *v = motions->velocity;
@@ -168,7 +168,7 @@ void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_
 
 /// Calls visit(pull) for those from `at` up to `end`; several in a round, for that costs less.
 template <class Visit>
-HWY_INLINE const uint32_t* ForEachPull(const uint32_t* at, const uint32_t* end, Visit&& visit) {
+HWY_INLINE const uint16_t* ForEachPull(const uint16_t* at, const uint16_t* end, Visit&& visit) {
   constexpr int kRound = 4;
   for (; end - at >= kRound; at += kRound) {
 #pragma GCC unroll 4
@@ -179,18 +179,18 @@ HWY_INLINE const uint32_t* ForEachPull(const uint32_t* at, const uint32_t* end, 
 }
 
 template <class Real>
-void SumUp(const Forces<Real>* forces, const uint32_t* pulls, const uint32_t* pull_ends,
+void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pull_counts,
            uint64_t count, Vec3<Real>* sums) {
   const Four<Real> four;
   const auto* all = reinterpret_cast<const Real*>(forces);
-  const uint32_t* at = pulls;
+  const uint16_t* at = pulls;
   for (uint64_t i = 0; i < count; ++i) {
     AskAhead(at, 1);
     auto sum = hn::Zero(four);
-    at = ForEachPull(at, pulls + pull_ends[2 * i],
-                     [&](uint32_t pull) { sum = hn::Add(sum, hn::Load(four, all + pull)); });
-    at = ForEachPull(at, pulls + pull_ends[2 * i + 1],
-                     [&](uint32_t pull) { sum = hn::Sub(sum, hn::Load(four, all + pull)); });
+    at = ForEachPull(at, at + pull_counts[2 * i],
+                     [&](uint64_t pull) { sum = hn::Add(sum, hn::Load(four, all + 4 * pull)); });
+    at = ForEachPull(at, at + pull_counts[2 * i + 1],
+                     [&](uint64_t pull) { sum = hn::Sub(sum, hn::Load(four, all + 4 * pull)); });
     HWY_ALIGN Real components[4];
     hn::Store(sum, four, components);
     sums[i] += {components[0], components[1], components[2]};
@@ -200,10 +200,10 @@ void SumUp(const Forces<Real>* forces, const uint32_t* pulls, const uint32_t* pu
 #else  // vectors too short to hold a body
 
 template <bool damped, class Real>
-void Take(const uint32_t* a, const uint32_t* b, const Motion<Real>* motions, uint64_t at,
+void Take(const uint16_t* a, const uint16_t* b, const Motion<Real>* motions, uint64_t at,
           Block<Real>& block) {
   for (uint64_t i = 0; i < kBatch; ++i) {
-    const Motion<Real>&from = motions[a[i] / 4], &to = motions[b[i] / 4];
+    const Motion<Real>&from = motions[a[i]], &to = motions[b[i]];
     block.x[at + i] = to.position[0] - from.position[0];
     block.y[at + i] = to.position[1] - from.position[1];
     block.z[at + i] = to.position[2] - from.position[2];
@@ -233,17 +233,16 @@ void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_
 }
 
 template <class Real>
-void SumUp(const Forces<Real>* forces, const uint32_t* pulls, const uint32_t* pull_ends,
+void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pull_counts,
            uint64_t count, Vec3<Real>* sums) {
-  const auto force = [&](uint32_t pull) {
-    const Real* f = forces[pull / (4 * kBatch)].value[pull / 4 % kBatch];
+  const auto force = [&](uint16_t pull) {
+    const Real* f = forces[pull / kBatch].value[pull % kBatch];
     return Vec3<Real>{f[0], f[1], f[2]};
   };
-  uint32_t at = 0;
   for (uint64_t i = 0; i < count; ++i) {
     Vec3<Real> sum;
-    for (; at < pull_ends[2 * i]; ++at) sum += force(pulls[at]);
-    for (; at < pull_ends[2 * i + 1]; ++at) sum -= force(pulls[at]);
+    for (const uint16_t* end = pulls + pull_counts[2 * i]; pulls < end;) sum += force(*pulls++);
+    for (const uint16_t* end = pulls + pull_counts[2 * i + 1]; pulls < end;) sum -= force(*pulls++);
     sums[i] += sum;
   }
 }
@@ -274,9 +273,11 @@ HWY_INLINE void Pull(const TileSprings<Real>& springs, uint64_t first, uint64_t 
       row = springs.first_rows[slot / kBatch];
       if (row != kScattered) row += slot % kBatch;
     }
-    AskAhead(springs.hooke + row, hn::MaxLanes(d));
-    AskAhead(springs.length + row, hn::MaxLanes(d));
-    if constexpr (damped) AskAhead(springs.damping + row, hn::MaxLanes(d));
+    if (HWY_LIKELY(row != kScattered)) {
+      AskAhead(springs.hooke + row, hn::MaxLanes(d));
+      AskAhead(springs.length + row, hn::MaxLanes(d));
+      if constexpr (damped) AskAhead(springs.damping + row, hn::MaxLanes(d));
+    }
     auto x = hn::Load(d, block.x + i), y = hn::Load(d, block.y + i), z = hn::Load(d, block.z + i);
     const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
     const auto distance = hn::Sqrt(square);

@@ -22,11 +22,11 @@ struct alignas(64) Forces {
   Real value[kBatch][4];
 };
 
-/// Springs of a tile, in slots: a multiple of kBatch. For the ends see SpringTiles.
+/// Springs of a part, in slots: a multiple of kBatch. For the ends see SpringTiles.
 template <class Real>
 struct TileSprings {
   uint64_t count;
-  const uint32_t *first_ends, *second_ends;
+  const uint16_t *first_ends, *second_ends;
   /// (count), where in the columns the springs are, and (count / kBatch), first_rows; null if
   /// spring i has row i.
   const uint32_t *rows, *first_rows;
@@ -45,9 +45,9 @@ struct TileForces {
                const uint32_t* rows, uint64_t first, uint64_t count, Motion<Real>* motions);
   /// What each spring exerts on its first end; the second feels the opposite.
   void (*pull)(const TileSprings<Real>& springs, const Motion<Real>* motions, Forces<Real>* forces);
-  /** Adds to each of `count` bodies the forces that `pulls` names for it: pull_ends (count x 2), see
-   *  SpringTiles. */
-  void (*sum)(const Forces<Real>* forces, const uint32_t* pulls, const uint32_t* pull_ends,
+  /** Adds to each of `count` bodies the forces that `pulls` names for it; pull_counts (count x 2):
+   *  see SpringTiles. */
+  void (*sum)(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pull_counts,
               uint64_t count, Vec3<Real>* sums);
 };
 

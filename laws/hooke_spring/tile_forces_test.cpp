@@ -44,24 +44,31 @@ struct Network {
     for (const Tile& tile : tiles.tiles()) {
       compiled.take(position.data(), velocity.data(), position.size(), nullptr, tile.first_body,
                     tile.body_count, motions.data());
-      compiled.take(position.data(), velocity.data(), position.size(),
-                    tiles.others().data() + tile.first_other, 0, tile.other_count,
-                    motions.data() + tile.body_count);
-      TileSprings<Real> springs{};
-      springs.count = tile.slot_count;
-      springs.first_ends = tiles.first_ends().data() + tile.first_slot;
-      springs.second_ends = tiles.second_ends().data() + tile.first_slot;
-      springs.rows = tiles.rows().data() + tile.first_slot;
-      springs.first_rows = tiles.first_rows().data() + tile.first_slot / kBatch;
-      springs.length = length.data();
-      springs.hooke = hooke.data();
-      if (damped) springs.damping = damping.data();
-      compiled.pull(springs, motions.data(), forces.data());
-      compiled.sum(forces.data(), tiles.pulls().data() + tile.first_pull,
-                   tiles.pull_ends().data() + 2 * tile.first_body, tile.body_count,
-                   &sums[tile.first_body]);
+      for (uint64_t i = 0; i < tile.part_count; ++i) {
+        const Part& part = tiles.parts()[tile.first_part + i];
+        compiled.take(position.data(), velocity.data(), position.size(),
+                      tiles.others().data() + part.first_other, 0, part.other_count,
+                      motions.data() + tile.body_count);
+        compiled.pull(SpringsOf(part, damped), motions.data(), forces.data());
+        compiled.sum(forces.data(), tiles.pulls().data() + part.first_pull,
+                     tiles.pull_counts().data() + part.first_count, tile.body_count,
+                     &sums[tile.first_body]);
+      }
     }
     return sums;
+  }
+
+  TileSprings<Real> SpringsOf(const Part& part, bool damped) const {
+    TileSprings<Real> springs{};
+    springs.count = part.slot_count;
+    springs.first_ends = tiles.first_ends().data() + part.first_slot;
+    springs.second_ends = tiles.second_ends().data() + part.first_slot;
+    springs.rows = tiles.rows().data() + part.first_slot;
+    springs.first_rows = tiles.first_rows().data() + part.first_slot / kBatch;
+    springs.length = length.data();
+    springs.hooke = hooke.data();
+    if (damped) springs.damping = damping.data();
+    return springs;
   }
 
   /// By the equation, spring by spring in double.
@@ -139,11 +146,13 @@ TEST(SpringTilesTest, EachBodyIsOfOneTileThatHasAllItsSprings) {
     for (const Tile& tile : tiles.tiles()) {
       ASSERT_EQ(tile.first_body, next);
       next += tile.body_count;
-      uint64_t pull = tile.first_pull;
-      for (uint64_t body = tile.first_body; body < next; ++body) {
-        const uint64_t end = tile.first_pull + tiles.pull_ends()[2 * body + 1];
-        for (; pull < end; ++pull) {
-          found[body].insert(tiles.rows()[tile.first_slot + tiles.pulls()[pull] / 4]);
+      for (uint64_t i = 0; i < tile.part_count; ++i) {
+        const Part& part = tiles.parts()[tile.first_part + i];
+        const uint16_t* pull = tiles.pulls().data() + part.first_pull;
+        for (uint64_t list = 0; list < 2 * uint64_t{tile.body_count}; ++list) {
+          for (uint32_t n = tiles.pull_counts()[part.first_count + list]; n > 0; --n) {
+            found[tile.first_body + list / 2].insert(tiles.rows()[part.first_slot + *pull++]);
+          }
         }
       }
     }
@@ -152,14 +161,35 @@ TEST(SpringTilesTest, EachBodyIsOfOneTileThatHasAllItsSprings) {
   }
 }
 
+// More than 16 bits can tell apart, too: then its tile has several parts.
 TEST(SpringTilesTest, ABodyThatHoldsManySpringsFeelsThemAll) {
-  Network<double> star(9000, 30000, true);
-  for (Ends& ends : star.endpoints) ends[1] = 7000;
+  for (const uint32_t springs : {30000u, 200000u}) {
+    Network<double> star(9000, springs, true);
+    for (Ends& ends : star.endpoints) ends[1] = 7000;
+    star.tiles.Build(star.endpoints, star.position.size());
+    EXPECT_EQ(star.tiles.parts().size() > star.tiles.tiles().size(), springs > kMost);
+    const auto expected = star.Expected(true);
+    for (const auto& compiled : AvailableTileForces<double>()) {
+      const auto sums = star.Forces(compiled, true);
+      for (uint32_t i = 0; i < sums.size(); ++i) {
+        ASSERT_LT(Length(Network<double>::Wide(sums[i]) - expected[i]),
+                  1e-2)  // of springs that pull with some hundred N each
+            << compiled.instruction_set << ", body " << i << ", seed " << kSeed;
+      }
+    }
+  }
+}
+
+// A tile that knows many bodies of others.
+TEST(SpringTilesTest, ABodyHeldFromEverywhereFeelsAll) {
+  Network<double> star(150000, 150000, true);
+  for (uint32_t i = 0; i < star.endpoints.size(); ++i) star.endpoints[i] = {i, 70000};
   star.tiles.Build(star.endpoints, star.position.size());
-  const auto sums = star.Forces(AvailableTileForces<double>().front(), true);
-  const Vec3<double> expected = star.Expected(true)[7000];
-  EXPECT_LT(Length(Network<double>::Wide(sums[7000]) - expected),
-            1e-3)  // of 30,000 springs that pull with some hundred N each
+  EXPECT_GT(star.tiles.parts().size(), star.tiles.tiles().size());
+  EXPECT_LE(star.tiles.most_bodies(), kMost);
+  const Vec3<double> sum = star.Forces(AvailableTileForces<double>().front(), true)[70000];
+  EXPECT_LT(Length(Network<double>::Wide(sum) - star.Expected(true)[70000]),
+            1e-2)  // of springs that pull with some hundred N each
       << "seed " << kSeed;
 }
 
