@@ -30,8 +30,4 @@ public enum ScalarType {
             case REF -> false;
         };
     }
-
-    public boolean isReal() {
-        return this == F32 || this == F64;
-    }
 }

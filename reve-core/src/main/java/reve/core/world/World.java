@@ -384,8 +384,8 @@ public final class World {
     }
 
     /**
-     * How many changes of the frame were too many to keep (2^20): what
-     * follows a world by its changes then has to look at all of it.
+     * How many changes of the frame were too many to keep (2^20): what follows a world by its
+     * changes then has to look at all of it.
      */
     public long changesLost() {
         guard.checkOwner();

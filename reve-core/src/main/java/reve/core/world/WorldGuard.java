@@ -47,8 +47,8 @@ public final class WorldGuard {
     }
 
     /**
-     * Lets somebody look at the world and change nothing: until he is done, every change is refused
-     * with an IllegalStateException that names him.
+     * Lets somebody look at the world and change nothing: until that is done, every change is
+     * refused with an IllegalStateException that says who is looking.
      */
     public <T, E extends Exception> T inspect(String who, Inspection<T, E> inspection) throws E {
         checkOwner();

@@ -8,6 +8,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.file.ItemWriter;
 import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
@@ -34,8 +35,7 @@ class ChangesModelTest {
 
     @Test
     void actionsHappenAsAWholeOrNotAtAll() {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("ChangesModelTest seed " + seed);
+        long seed = Seed.of("random effects");
         var random = new Random(seed);
         int done = 0;
         int rounds = 2000;

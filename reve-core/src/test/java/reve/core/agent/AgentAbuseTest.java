@@ -29,6 +29,7 @@ import java.util.concurrent.Semaphore;
 import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.world.ItemDefinition;
 import tools.jackson.databind.JsonNode;
 
@@ -215,8 +216,7 @@ class AgentAbuseTest {
 
     @Test
     void badClientsOfEveryKindGetAReasonAndGoodAgentsNoticeNothing() throws Exception {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("seed of the abuse: -Dreve.test.seed=" + seed);
+        long seed = Seed.of("the abuse");
         AgentServerConfig config = AgentRoom.config(HELLO, SOON, LATER, SOON);
         try (AgentRoom room = new AgentRoom(config);
                 ExecutorService threads = Executors.newVirtualThreadPerTaskExecutor()) {

@@ -16,6 +16,7 @@ import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.EnumSource;
 import org.junit.jupiter.params.provider.MethodSource;
+import reve.core.Seed;
 import reve.core.world.ItemDefinition;
 import tools.jackson.databind.JsonNode;
 
@@ -202,8 +203,7 @@ class AgentLimitsTest {
     @ParameterizedTest
     @EnumSource
     void garbageOfEveryKindIsAnsweredOrCutAndTheNextClientIsServed(Garbage kind) throws IOException {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("seed of garbage " + kind + ": -Dreve.test.seed=" + seed);
+        long seed = Seed.of("garbage " + kind);
         Random random = new Random(seed);
         try (AgentRoom room = new AgentRoom()) {
             for (int i = 0; i < 100; i++) {

@@ -16,6 +16,7 @@ import java.util.TreeSet;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.file.AgentPolicy;
 import reve.core.frame.FramePhase;
 import reve.core.world.Item;
@@ -32,7 +33,7 @@ class AudienceTest {
     private static final int BELLS = 24;
     private static final int FRAMES = 40;
 
-    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final long seed = Seed.of("events");
     private final Random random = new Random(seed);
     private final List<TestClient> clients = new ArrayList<>();
     private final List<Set<String>> shown = new ArrayList<>();
@@ -40,7 +41,6 @@ class AudienceTest {
 
     @BeforeEach
     void join() throws IOException {
-        System.out.println("seed of events: -Dreve.test.seed=" + seed);
         var items = new ArrayList<ItemDefinition>();
         var names = new ArrayList<String>();
         for (int i = 0; i < AGENTS; i++) {

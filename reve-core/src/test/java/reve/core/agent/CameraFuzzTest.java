@@ -16,6 +16,7 @@ import java.util.Set;
 import java.util.TreeMap;
 import java.util.TreeSet;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.file.AgentPolicy;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
@@ -33,7 +34,7 @@ class CameraFuzzTest {
             new Sensor.Camera(1, 1, EnumSet.of(Sensor.Layer.COLOUR))).withEvery(EVERY);
     private static final Set<String> REFUSALS = Set.of("no-picture", "look-pending", "not-yet", "no-such-camera");
 
-    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final long seed = Seed.of("the cameras");
     private final Random random = new Random(seed);
     private final List<Order> orders = new ArrayList<>();
     private final Map<String, Integer> counts = new TreeMap<>();
@@ -131,7 +132,6 @@ class CameraFuzzTest {
 
     @Test
     void everyLookIsAnsweredOnceByACameraOfItsOwnWhateverHappensMeanwhile() throws IOException {
-        System.out.println("seed of the cameras: -Dreve.test.seed=" + seed);
         ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5)).sensor(EYE).build();
         try (AgentRoom its = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(List.of(), Optional.of(body)), 256);
                 TestClient boss = its.connect()) {

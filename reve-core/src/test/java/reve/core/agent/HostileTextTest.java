@@ -10,10 +10,11 @@ import java.util.List;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.slf4j.LoggerFactory;
+import reve.core.Seed;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
-/** D10: text of clients, whatever is in it, forges no line of a log and hides nothing in what others read. */
+/** Text of clients, whatever is in it, forges no line of a log and hides nothing in what others read. */
 class HostileTextTest {
 
     /** A hundred thousand for a whole run. */
@@ -24,7 +25,7 @@ class HostileTextTest {
             "\u2029", "\u202e", "\u2066", "\u200b", "\ufeff", "\u007f", "\ue000", "\t", "ada", " INFO reve.agents -- ",
             "\"", "\\", "{}", "%s", "${jndi:x}", "ä", "\ud83e\udd86");
 
-    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final long seed = Seed.of("hostile texts");
     private final Random random = new Random(seed);
 
     private String text() {
@@ -52,7 +53,6 @@ class HostileTextTest {
 
     @Test
     void noTextOfAClientComesOutAsItCameIn() throws IOException {
-        System.out.println("seed of hostile texts: -Dreve.test.seed=" + seed);
         var log = new ListAppender<ILoggingEvent>();
         log.start();
         var logger = (Logger) LoggerFactory.getLogger("reve.agents");

@@ -11,6 +11,7 @@ import java.util.concurrent.locks.LockSupport;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.frame.FramePhase;
 import reve.core.world.World;
 import tools.jackson.databind.JsonNode;
@@ -254,8 +255,7 @@ class LockStepServerTest {
     /** However long each of two agents thinks, the same acts make the same world, frame by frame. */
     @Test
     void theSameActsMakeTheSameWorldHoweverLongTheAgentsThink() throws Exception {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("seed of delays: -Dreve.test.seed=" + seed);
+        long seed = Seed.of("delays");
         var random = new Random(seed);
         List<Long> first = hashes(random.nextLong());
         close();

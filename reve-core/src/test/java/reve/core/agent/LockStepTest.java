@@ -9,6 +9,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameClock;
 import reve.core.frame.FrameLoop;
@@ -25,7 +26,7 @@ class LockStepTest {
     private static final long MILLISECOND = 1_000_000;
     private static final int FRAMES = 10_000;
 
-    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final long seed = Seed.of("agents in lock-step");
     private final Random random = new Random(seed);
     private final List<Player> players = new ArrayList<>();
     private final Map<String, Player> byName = new HashMap<>();
@@ -195,7 +196,6 @@ class LockStepTest {
 
     @Test
     void noFrameComesBeforeAllAreReadyOrLateAndNoneLaterThanTheirDeadlines() {
-        System.out.println("seed of agents in lock-step: -Dreve.test.seed=" + seed);
         bus.subscribe(FramePhase.INTAKE, "check", event -> {
             long before = event.frame() - 1;
             for (Player player : players) {

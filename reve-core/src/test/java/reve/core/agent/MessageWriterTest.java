@@ -13,6 +13,7 @@ import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.EnumSource;
+import reve.core.Seed;
 import tools.jackson.databind.JsonNode;
 
 /** What is written in an encoding is read as the same by libraries that other programs use. */
@@ -69,8 +70,7 @@ class MessageWriterTest {
     @ParameterizedTest
     @EnumSource
     void randomValuesAreReadAsTheyWereWritten(Encoding encoding) {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("seed of values in " + encoding + ": -Dreve.test.seed=" + seed);
+        long seed = Seed.of("values in " + encoding);
         var random = new Random(seed);
         for (int i = 0; i < 2000; i++) {
             assertReadAsWritten(encoding, any(random, 4));

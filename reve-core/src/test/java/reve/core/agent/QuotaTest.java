@@ -97,7 +97,7 @@ class QuotaTest {
         }
     }
 
-    /** D5: floods for as long as the good agents need, each by a client that is cut and comes again. */
+    /** Floods for as long as the good agents need, each by a client that is cut and comes again. */
     @Test
     void floodsCostTheOthersNoneOfTheirActs() throws Exception {
         int rounds = 200;

@@ -21,6 +21,7 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+import reve.core.Seed;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -158,8 +159,7 @@ class RightsModelTest {
 
     @Test
     void everyAnswerIsAsTheRightsSay() throws IOException {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("seed of the rights: -Dreve.test.seed=" + seed);
+        long seed = Seed.of("the rights");
         random = new Random(seed);
         Path file = issueTokens();
         AgentServerConfig config = AgentServerConfig.on(AgentRoom.CONFIG.address(),

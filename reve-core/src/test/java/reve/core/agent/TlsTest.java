@@ -29,6 +29,7 @@ import org.junit.jupiter.api.BeforeAll;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+import reve.core.Seed;
 import reve.core.world.ItemDefinition;
 import tools.jackson.databind.JsonNode;
 
@@ -117,8 +118,7 @@ class TlsTest {
 
     @Test
     void whatIsCutAnywhereArrivesWhole() throws IOException {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("seed of the cuts: -Dreve.test.seed=" + seed);
+        long seed = Seed.of("the cuts");
         Random random = new Random(seed);
         try (TestClient ada = join(room)) {
             for (int i = 0; i < 200; i++) {
@@ -237,8 +237,7 @@ class TlsTest {
 
     @Test
     void noiseInPlaceOfRecordsEndsTheConnection() throws IOException {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("seed of the noise: -Dreve.test.seed=" + seed);
+        long seed = Seed.of("the noise");
         Random random = new Random(seed);
         for (int i = 0; i < 100; i++) {
             byte[] noise = new byte[1 + random.nextInt(2000)];

@@ -7,6 +7,7 @@ import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.Seed;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameLoop;
 import reve.core.frame.Pacing;
@@ -28,8 +29,7 @@ class BoundingBoxesTest {
     @ParameterizedTest
     @CsvSource({"si-f64, 1e-12", "si-f32, 1e-5"})
     void holdExactlyTheTurnedCornersOfEachShape(String prototype, double tolerance) {
-        long seed = System.nanoTime();
-        System.out.println("BoundingBoxesTest " + prototype + " seed " + seed);
+        long seed = Seed.of("turned shapes in " + prototype);
         var random = new Random(seed);
         World world = world(prototype);
         for (int i = 0; i < 300; i++) {
@@ -54,8 +54,7 @@ class BoundingBoxesTest {
     @CsvSource({"si-f64, 1e-12", "si-f32, 1e-5"})
     void holdEveryVertexOfATurnedMeshAndTouchThemAfterQuarterTurns(String prototype,
             double tolerance) {
-        long seed = Long.getLong("reve.seed", System.nanoTime());
-        System.out.println("BoundingBoxesTest meshes " + prototype + " seed " + seed);
+        long seed = Seed.of("turned meshes in " + prototype);
         var random = new Random(seed);
         World world = world(prototype);
         for (int i = 0; i < 100; i++) {

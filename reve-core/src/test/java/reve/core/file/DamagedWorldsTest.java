@@ -10,6 +10,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 
@@ -25,8 +26,7 @@ class DamagedWorldsTest {
 
     @Test
     void damageIsToldWithItsPlaceOrDoesNotKeepAWorldFromBeingBuilt() throws IOException {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("DamagedWorldsTest seed " + seed);
+        long seed = Seed.of("damage");
         var random = new Random(seed);
         List<Object> worlds = new ArrayList<>();
         for (Object world : WorldTrees.worlds().values()) {

@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
@@ -25,12 +26,8 @@ class ItemWriterTest {
     private static final int ITEMS = 1000;
     private static final WorldPrototype DOUBLE = WorldPrototype.standard("si-f64");
 
-    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final long seed = Seed.of("items");
     private final Random random = new Random(seed);
-
-    ItemWriterTest() {
-        System.out.println(getClass().getSimpleName() + " seed " + seed);
-    }
 
     private static ItemDefinition readBack(ItemDefinition item, WorldPrototype prototype)
             throws WorldFileException {

@@ -11,6 +11,7 @@ import java.util.Map;
 import java.util.Random;
 import java.util.TreeMap;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 
@@ -23,12 +24,8 @@ class WorldFileGeneratedTest {
     private static final int FILES = 200;
     private static final int MUTATIONS = Integer.getInteger("reve.file.mutants", 3000);
 
-    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final long seed = Seed.of("world files");
     private final Random random = new Random(seed);
-
-    WorldFileGeneratedTest() {
-        System.out.println(getClass().getSimpleName() + " seed " + seed);
-    }
 
     /** A file, and the masses and velocities [SI] that it means by item name. */
     private record Generated(String text, Map<String, Double> mass, Map<String, double[]> velocity,

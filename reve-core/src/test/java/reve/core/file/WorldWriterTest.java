@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Optional;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.world.Column;
 import reve.core.world.Forces;
 import reve.core.world.Item;
@@ -25,12 +26,8 @@ import reve.core.world.WorldPrototype;
 class WorldWriterTest {
     private static final int WORLDS = Integer.getInteger("reve.test.worlds", 200);
 
-    private final long seed = Long.getLong("reve.test.seed", System.nanoTime());
+    private final long seed = Seed.of("worlds");
     private final Random random = new Random(seed);
-
-    WorldWriterTest() {
-        System.out.println(getClass().getSimpleName() + " seed " + seed);
-    }
 
     @Test
     void writesWhatAWorldFileSays() throws WorldFileException {

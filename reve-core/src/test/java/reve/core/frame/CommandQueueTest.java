@@ -12,6 +12,7 @@ import java.util.concurrent.Executors;
 import java.util.concurrent.Future;
 import java.util.concurrent.atomic.AtomicInteger;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
@@ -41,8 +42,7 @@ class CommandQueueTest {
 
     @Test
     void orderDependsOnOriginAndSequenceNotOnArrival() {
-        long seed = System.nanoTime();
-        System.out.println("CommandQueueTest seed " + seed);
+        long seed = Seed.of("arrivals");
         CommandQueue queue = queue(100);
         List<Command> commands = new ArrayList<>();
         List<String> expected = new ArrayList<>();

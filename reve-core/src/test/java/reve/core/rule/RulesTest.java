@@ -10,6 +10,7 @@ import java.util.Optional;
 import java.util.Random;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
+import reve.core.Seed;
 import reve.core.unit.Unit;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
@@ -181,8 +182,7 @@ class RulesTest {
     /** What is kept must be what a world without memory would give, whatever happened before. */
     @Test
     void keptSymbolsAreThoseOfAWorldWithoutMemory() throws Exception {
-        long seed = Long.getLong("reve.test.seed", System.nanoTime());
-        System.out.println("RulesTest seed " + seed);
+        long seed = Seed.of("rules");
         var random = new Random(seed);
         String[] texts = {"hot", "physics.temperature > 5", "label",
             "has(semantic.tag) ? semantic.tag + item.name : 'plain'", "both",

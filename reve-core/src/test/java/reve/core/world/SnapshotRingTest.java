@@ -16,6 +16,7 @@ import java.util.concurrent.atomic.AtomicBoolean;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.ValueSource;
+import reve.core.Seed;
 
 class SnapshotRingTest {
 
@@ -108,8 +109,7 @@ class SnapshotRingTest {
     @ParameterizedTest
     @ValueSource(longs = {61, 0})
     void heldSnapshotsStayAsTheyWere(long givenSeed) {
-        long seed = givenSeed != 0 ? givenSeed : System.nanoTime();
-        System.out.println("SnapshotRingTest seed " + seed);
+        long seed = Seed.of("held snapshots", givenSeed);
         Random random = new Random(seed);
         var ring = new SnapshotRing(world, 4);
         List<WorldSnapshot> held = new ArrayList<>();

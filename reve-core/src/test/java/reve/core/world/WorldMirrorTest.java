@@ -13,6 +13,7 @@ import java.util.TreeMap;
 import java.util.stream.Collectors;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.Seed;
 import reve.core.derive.DerivedColumns;
 import reve.core.frame.FrameBus;
 import reve.core.frame.FrameLoop;
@@ -46,8 +47,7 @@ class WorldMirrorTest {
     @CsvSource({"si-f64, 1, 1e-9", "si-f32, 2, 1e-3", "si-f64, 0, 1e-9", "si-f32, 0, 1e-3"})
     void aMirrorOfTheChangesIsTheWorldAfterEveryFrame(String prototype, long given,
             double tolerance) {
-        long seed = given != 0 ? given : System.nanoTime();
-        System.out.println("WorldMirrorTest " + prototype + " seed " + seed);
+        long seed = Seed.of("histories in " + prototype, given);
         random = new Random(seed);
         world = new World("w", WorldPrototype.standard(prototype), new OffHeapArena());
         var mirror = new WorldMirror(world.prototype());

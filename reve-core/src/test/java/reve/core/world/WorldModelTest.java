@@ -13,6 +13,7 @@ import java.util.Set;
 import java.util.stream.Collectors;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.Seed;
 
 /** Long random histories of a world, compared with plain hash maps after every step. */
 class WorldModelTest {
@@ -40,8 +41,7 @@ class WorldModelTest {
     @ParameterizedTest
     @CsvSource({"si-f64, 11", "si-f32, 12", "si-f64, 0", "si-f32, 0"})
     void agreesWithPlainMapsThroughRandomHistories(String prototype, long givenSeed) {
-        long seed = givenSeed != 0 ? givenSeed : System.nanoTime();
-        System.out.println("WorldModelTest " + prototype + " seed " + seed);
+        long seed = Seed.of("histories in " + prototype, givenSeed);
         random = new Random(seed);
         world = new World("w", WorldPrototype.standard(prototype), new OffHeapArena());
         for (int step = 0; step < 1500; step++) {

@@ -1,8 +1,8 @@
 package reve.worlds.cli;
 
-import java.io.PrintWriter;
 import java.io.IOError;
 import java.io.IOException;
+import java.io.PrintWriter;
 import java.nio.file.Path;
 import java.util.Map;
 import java.util.Optional;
