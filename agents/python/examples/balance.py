@@ -96,6 +96,14 @@ def parse(arguments: List[str]) -> argparse.Namespace:
 
 def main(arguments: List[str]) -> int:
     options = parse(arguments)
+    try:
+        return run(options)
+    except reve.ReveError as error:
+        print(f"balance: {error}", file=sys.stderr)
+        return 2
+
+
+def run(options: argparse.Namespace) -> int:
     begun = time.monotonic()
     with reve.serve(options.world, launcher=options.launcher) as address:
         environment = Environment(address, Balance(), steps=AT_MOST)

@@ -8,7 +8,7 @@ import os
 import subprocess
 import tempfile
 import threading
-from typing import IO, Iterator, Tuple, Union
+from typing import IO, Iterator, List, Tuple, Union
 
 from .errors import ReveError
 
@@ -24,13 +24,11 @@ def serve(
     """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server afterwards.
 
     It makes frames as fast as its agents in lock-step go on, and waits an hour for them. `options` are more of those of `./reve serve`, `launcher` is
-    the project's launcher. Raises ReveError with what the server said if it does not start.
+    the project's launcher. Raises ReveError if it cannot be run, or with what the server said if that does not start.
     """
     command = [os.fspath(launcher), "serve", os.fspath(world), "--port", "0", "--json", "--fast", "--deadline", "3600", *options]
     with tempfile.TemporaryFile("w+") as errors:
-        process = subprocess.Popen(
-            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, text=True
-        )
+        process = _start(command, errors)
         assert process.stdout is not None
         with process.stdout as events:
             try:
@@ -48,6 +46,15 @@ def serve(
                 except subprocess.TimeoutExpired:
                     process.kill()
                     process.wait()
+
+
+def _start(command: List[str], errors: IO[str]) -> "subprocess.Popen[str]":
+    try:
+        return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, text=True)
+    except OSError as error:
+        raise ReveError(
+            "no-server", f"cannot run {command[0]}: {error.strerror}", "give the path of the project's `reve` as launcher"
+        ) from error
 
 
 def _port(events: IO[str]) -> "int | None":

@@ -144,6 +144,11 @@ class GymTest(unittest.TestCase):
             with served("no-such-world"):
                 pass
 
+    def test_a_launcher_that_is_not_there_is_named(self):
+        with self.assertRaisesRegex(reve.ReveError, r"cannot run /nowhere/reve: No such file.*launcher"):
+            with reve.serve("worlds/cart-pole", launcher="/nowhere/reve"):
+                pass
+
     def test_the_learner_gets_better(self):
         run = subprocess.run(
             [sys.executable, str(PACKAGE / "examples" / "balance.py"), "--generations", "3", "--launcher", str(LAUNCHER)],
