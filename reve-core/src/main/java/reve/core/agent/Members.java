@@ -285,8 +285,7 @@ public final class Members {
 
     private Outcome join(World world, long frame, AgentInput.Join join) throws Ending {
         if (bodies.containsKey(join.agent())) {
-            throw Ending.refused("name-taken", "another agent is called " + Text.quote(join.agent()),
-                    "say hello with another name");
+            throw Ending.nameTaken(join.agent());
         }
         Body body = take(world, join);
         bodies.put(join.agent(), body);
@@ -384,8 +383,7 @@ public final class Members {
     private Body make(World world, String agent, ItemDefinition template, OptionalInt place, Rights rights)
             throws Ending {
         if (world.find(agent).isPresent()) {
-            throw Ending.refused("name-taken", "world " + world.name() + " has an item " + Text.quote(agent)
-                    + " already, so the agent's body cannot be called that", "say hello with another name");
+            throw Ending.nameTaken(agent);
         }
         try {
             ItemDefinition.Builder body = template.copy(agent);

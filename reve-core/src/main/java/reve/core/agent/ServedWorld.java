@@ -111,8 +111,7 @@ final class ServedWorld implements AutoCloseable {
             throws Ending {
         var session = new Session(this, connection, role, hello, token);
         if (sessions.putIfAbsent(hello.name(), session) != null) {
-            throw Ending.refused("name-taken", "another client is called " + Text.quote(hello.name()),
-                    "say hello with another name");
+            throw Ending.nameTaken(hello.name());
         }
         if (role != Role.AGENT) {
             publisher.later(() -> session.welcome(Optional.empty(), publisher.published()));
