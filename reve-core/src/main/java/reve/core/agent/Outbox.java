@@ -31,6 +31,10 @@ final class Outbox {
     private final Deque<Message> missed = new ArrayDeque<>();
     private final Deque<Waiting> messages = new ArrayDeque<>();
     private int bytes;
+    /** Of the last frame that anything happened in: what waits of it is nobody's fault before the next one. */
+    private long happenedIn = -1;
+    private int happened;
+    private int happenedBytes;
     private @Nullable Perception answer;
     private @Nullable View latest;
     private long latestId;
@@ -57,11 +61,38 @@ final class Outbox {
         if (finished) {
             return true;
         }
-        if (messages.size() >= maxMessages || bytes + line.length > maxBytes) {
+        if (isFull(happened, happenedBytes, line)) {
             return false;
         }
         add(line);
         return true;
+    }
+
+    /**
+     * Adds what happened in a frame. However much that is, only what is left of earlier frames counts as piled up.
+     *
+     * @return false if the client has let too much pile up
+     */
+    synchronized boolean offer(byte[] line, long frame) {
+        if (finished) {
+            return true;
+        }
+        if (frame != happenedIn) {
+            if (isFull(0, 0, line)) {
+                return false;
+            }
+            happenedIn = frame;
+            happened = 0;
+            happenedBytes = 0;
+        }
+        happened++;
+        happenedBytes += line.length;
+        add(line);
+        return true;
+    }
+
+    private boolean isFull(int excusedMessages, int excusedBytes, byte[] line) {
+        return messages.size() - excusedMessages >= maxMessages || bytes - excusedBytes + line.length > maxBytes;
     }
 
     /** Adds the perception that was asked for once; the one before has been written. */
@@ -112,6 +143,10 @@ final class Outbox {
         Waiting next = messages.pollFirst();
         if (next instanceof Message message) {
             bytes -= message.bytes.length;
+            if (messages.isEmpty()) {
+                happened = 0;
+                happenedBytes = 0;
+            }
         } else if (next == null && answer != null) {
             next = answer;
             answer = null;

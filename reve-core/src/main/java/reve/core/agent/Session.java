@@ -231,7 +231,7 @@ final class Session {
                 events.add(event.message(), encoded.length, System.nanoTime());
             }
         }
-        if (!offer(encoded) && !writeAndOffer(encoded)) {
+        if (!offerEvent(encoded, event.message().frame())) {
             end(Ending.cut("too-slow", "too many events wait to be read"));
         }
     }
@@ -519,12 +519,13 @@ final class Session {
         return now == null || now.outbox().offer(line);
     }
 
-    /** More may happen in one frame than may wait: who reads is not cut for that. Event loop's thread. */
-    private boolean writeAndOffer(byte[] line) {
+    /** Frames may follow each other faster than what happened is written: who reads is not cut for that. */
+    private boolean offerEvent(byte[] line, long frame) {
         Connection now = connection;
-        if (now != null) {
-            now.write();
+        if (now == null || now.outbox().offer(line, frame)) {
+            return true;
         }
-        return offer(line);
+        now.write();
+        return now.outbox().offer(line, frame);
     }
 }

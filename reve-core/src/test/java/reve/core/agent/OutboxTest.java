@@ -49,6 +49,34 @@ class OutboxTest {
     }
 
     @Test
+    void whatHappenedInOneFrameMayWaitHoweverMuchButNotUntilMoreHappens() {
+        for (int i = 0; i < 10; i++) {
+            assertThat(outbox.offer(new byte[50], 7)).as("event %d", i).isTrue();
+        }
+        assertThat(outbox.offer(new byte[50])).as("a result").isTrue();
+        assertThat(outbox.offer(new byte[50])).as("another").isTrue();
+        assertThat(outbox.offer(new byte[0])).as("a third").isFalse();
+        assertThat(outbox.offer(new byte[0], 8)).as("an event of the next frame").isFalse();
+        for (int i = 0; i < 11; i++) {
+            outbox.poll();
+        }
+        assertThat(outbox.offer(new byte[50], 8)).as("all but one is read").isTrue();
+    }
+
+    @Test
+    void whoHasReadWhatHappenedHasNothingExcusedAnyMore() {
+        for (int i = 0; i < 10; i++) {
+            outbox.offer(new byte[10], 7);
+        }
+        while (outbox.poll() != null) {
+            // That reads them.
+        }
+        assertThat(outbox.offer(new byte[10])).isTrue();
+        assertThat(outbox.offer(new byte[10])).isTrue();
+        assertThat(outbox.offer(new byte[10])).isFalse();
+    }
+
+    @Test
     void aDifferenceIsToWhatTheClientWasHandedLastHoweverManyItMissed() {
         outbox.offerLatest(1, view(1));
         outbox.offerLatest(1, view(2));
