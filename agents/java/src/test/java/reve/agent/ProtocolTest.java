@@ -20,6 +20,7 @@ import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
 import java.util.OptionalLong;
+import java.util.function.BiFunction;
 import java.util.stream.Stream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -131,15 +132,7 @@ class ProtocolTest {
     private static ObjectNode said(JsonNode message) {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
-            case "hello" -> Protocol.hello(new Join(message.get("name").stringValue(),
-                    message.path("role").asString("agent"), message.optional("world").map(JsonNode::stringValue),
-                    message.optional("body").map(JsonNode::stringValue),
-                    message.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON,
-                    Duration.ofSeconds(message.path("graceSeconds").asInt(0)),
-                    message.optional("time").map(ProtocolTest::lockStep),
-                    message.optional("resume").map(resume -> new Join.Resume(
-                            resume.get("session").stringValue(), resume.get("frame").longValue())),
-                    message.optional("token").map(JsonNode::stringValue), Optional.empty(), Duration.ZERO));
+            case "hello" -> Protocol.hello(join(message));
             case "perceive" -> message.has("every") ? Protocol.perceive(id, message.get("every").intValue())
                     : message.has("relations") ? Protocol.perceiveWithRelations(id) : Protocol.perceive(id);
             case "act" -> {
@@ -167,13 +160,36 @@ class ProtocolTest {
         return message.has("frame") ? OptionalLong.of(message.get("frame").longValue()) : OptionalLong.empty();
     }
 
+    private static Join join(JsonNode hello) {
+        Join join = Join.as(hello.get("name").stringValue()).withRole(hello.path("role").asString("agent"))
+                .withGrace(Duration.ofSeconds(hello.path("graceSeconds").asInt(0)))
+                .withEncoding(hello.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON);
+        join = with(join, hello, "world", (all, world) -> all.withWorld(world.stringValue()));
+        join = with(join, hello, "body", (all, body) -> all.withBody(body.stringValue()));
+        join = with(join, hello, "time", (all, time) -> all.withLockStep(lockStep(time)));
+        join = with(join, hello, "resume", (all, resume) -> all.withResume(
+                new Join.Resume(resume.get("session").stringValue(), resume.get("frame").longValue())));
+        return with(join, hello, "token", (all, token) -> all.withToken(token.stringValue()));
+    }
+
     private static LockStep lockStep(JsonNode time) {
+        LockStep every = LockStep.every(time.path("every").asInt(1))
+                .withDeadline(Duration.ofNanos((long) (1e9 * time.path("deadline").asDouble(1))));
+        every = with(every, time, "relations", (all, relations) -> all.withRelations());
+        return with(every, time, "fallback", (all, fallback) -> all.withFallback(act(fallback)));
+    }
+
+    private static Act act(JsonNode act) {
         var arguments = new LinkedHashMap<String, Object>();
-        time.at("/fallback/arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
-        return new LockStep(time.path("every").asInt(1), time.has("relations"),
-                Duration.ofNanos((long) (1e9 * time.path("deadline").asDouble(1))), time.optional("fallback").map(
-                        act -> new Act(act.optional("item").map(JsonNode::stringValue),
-                                act.get("action").stringValue(), arguments)));
+        act.path("arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
+        String action = act.get("action").stringValue();
+        return act.has("item") ? Act.of(act.get("item").stringValue(), action, arguments)
+                : Act.ofBody(action, arguments);
+    }
+
+    /** Changed by a field, if the message has it. */
+    private static <T> T with(T before, JsonNode message, String field, BiFunction<T, JsonNode, T> change) {
+        return message.has(field) ? change.apply(before, message.get(field)) : before;
     }
 
     private static Object value(JsonNode value) {

@@ -1,0 +1,26 @@
+package reve.agent;
+
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
+
+import java.io.IOException;
+import java.net.InetAddress;
+import java.net.ServerSocket;
+import java.time.Duration;
+import org.junit.jupiter.api.Test;
+
+/** What becomes of a client whose server is none. */
+class AgentClientTest {
+
+    private static final int BACKLOG = 1;
+
+    @Test
+    void whoWaitsLongerThanItsPatienceIsToldSo() throws IOException {
+        try (var silent = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress())) {
+            Join ada = Join.as("ada").withPatience(Duration.ofMillis(50));
+            assertThatExceptionOfType(AgentException.class)
+                    .isThrownBy(() -> AgentClient.connect("127.0.0.1", silent.getLocalPort(), ada).close())
+                    .withMessageContaining("silent for 0.05 s")
+                    .extracting(AgentException::code).isEqualTo("no-answer");
+        }
+    }
+}
