@@ -4,7 +4,6 @@
 static const vesper_property_use kUses[] = {
     TEST_USE("age", 1, VESPER_SCRATCH, VESPER_UNIT_ONE),
     TEST_USE("velocity", 3, VESPER_READ_WRITE, VESPER_UNIT_METRE_PER_SECOND)};
-TEST_BIND(kUses)
 
 static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)step, (void)error;
@@ -14,16 +13,5 @@ static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_er
   return VESPER_OK;
 }
 
-static const vesper_law_desc kLaw = {.struct_size = sizeof kLaw,
-                                     .real_type = VESPER_F64,
-                                     .name = "counts_years",
-                                     .version = "1.0.0",
-                                     .doc = "Steps that a body has seen.",
-                                     .phase = VESPER_PHASE_OBSERVE,
-                                     .use_count = TEST_USE_COUNT(kUses),
-                                     .uses = kUses,
-                                     .create = TestLawCreate,
-                                     .bind = Bind,
-                                     .advance = Advance,
-                                     .destroy = TestLawDestroy};
-TEST_LIBRARY("counts_years", VESPER_ABI_VERSION, kLaw)
+TEST_LIBRARY("counts_years", "Steps that a body has seen.", VESPER_ABI_VERSION,
+             .phase = VESPER_PHASE_OBSERVE)

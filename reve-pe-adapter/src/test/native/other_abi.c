@@ -3,23 +3,10 @@
 
 static const vesper_property_use kUses[] = {
     TEST_USE("mass", 1, VESPER_READ, VESPER_UNIT_KILOGRAM)};
-TEST_BIND(kUses)
 
 static vesper_status Advance(vesper_law* law, const vesper_step* step, vesper_error* error) {
   (void)law, (void)step, (void)error;
   return VESPER_OK;
 }
 
-static const vesper_law_desc kLaw = {.struct_size = sizeof kLaw,
-                                     .real_type = VESPER_F64,
-                                     .name = "other_abi",
-                                     .version = "1.0.0",
-                                     .doc = "A law built for contract 2.0.",
-                                     .phase = VESPER_PHASE_OBSERVE,
-                                     .use_count = TEST_USE_COUNT(kUses),
-                                     .uses = kUses,
-                                     .create = TestLawCreate,
-                                     .bind = Bind,
-                                     .advance = Advance,
-                                     .destroy = TestLawDestroy};
-TEST_LIBRARY("other_abi", 2u << 16, kLaw)
+TEST_LIBRARY("other_abi", "A law built for contract 2.0.", 2u << 16, .phase = VESPER_PHASE_OBSERVE)
