@@ -32,7 +32,6 @@ import java.util.TreeSet;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import reve.core.world.Parameter;
-import reve.core.world.ParameterType;
 import reve.core.world.SymbolType;
 
 /** CEL with the names of one {@link Scope}. Time and bytes, which no world has, are left out. */

@@ -21,13 +21,13 @@ import reve.core.frame.Pacing;
 import reve.core.frame.Timing;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
-import reve.core.world.ActionCall;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.Parameter;
 import reve.core.world.Shape;
 import reve.core.world.SnapshotRing;
+import reve.core.world.TestAction;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
@@ -143,26 +143,8 @@ final class AgentRoom implements AutoCloseable {
 
     /** An action that an item's designer got wrong. */
     static Action broken() {
-        return new Action() {
-            @Override
-            public String name() {
-                return "explode";
-            }
-
-            @Override
-            public String doc() {
-                return "Has an error.";
-            }
-
-            @Override
-            public List<Parameter> parameters() {
-                return List.of();
-            }
-
-            @Override
-            public void perform(ActionCall call) {
-                throw new IllegalStateException("an error in an action");
-            }
-        };
+        return new TestAction("explode", "Has an error.", call -> {
+            throw new IllegalStateException("an error in an action");
+        });
     }
 }

@@ -10,14 +10,13 @@ import org.junit.jupiter.api.Test;
 import reve.core.Seed;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
-import reve.core.world.ActionCall;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Mesh;
 import reve.core.world.OffHeapArena;
-import reve.core.world.Parameter;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.Shape;
+import reve.core.world.TestAction;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
@@ -110,31 +109,11 @@ class ItemWriterTest {
 
     @Test
     void anActionWrittenInJavaIsRefusedByName() {
-        Action dance = new Action() {
-            @Override
-            public String name() {
-                return "dance";
-            }
-
-            @Override
-            public String doc() {
-                return "";
-            }
-
-            @Override
-            public List<Parameter> parameters() {
-                return List.of();
-            }
-
-            @Override
-            public void perform(ActionCall call) {
-                throw new IllegalStateException("nobody asked");
-            }
-        };
+        Action dance = new TestAction("dance", "");
         ItemDefinition item = ItemDefinition.named("robot").action(dance).build();
 
         assertThatIllegalArgumentException().isThrownBy(() -> new ItemWriter(DOUBLE).write(item))
-                .withMessageStartingWith("item robot: action dance is a reve.core.file.ItemWriter");
+                .withMessageStartingWith("item robot: action dance is a reve.core.world.TestAction");
     }
 
     @Test

@@ -60,8 +60,8 @@ class WorldChangeTest {
 
     @Test
     void tellsEditsOfEveryAspectWithOldAndNewValue() {
-        Action push = action("push");
-        Action harder = action("push");
+        Action push = new TestAction("push", "At first.");
+        Action harder = new TestAction("push", "Harder.");
         lamp.physical().setLocation(1, 2, 3);
         lamp.physical().setOrientation(0, 0, 2, 0);
         lamp.physical().setShape(Shape.sphere(1));
@@ -172,27 +172,5 @@ class WorldChangeTest {
 
     private Edited physical(String property, Object from, Object to) {
         return new Edited(lamp.id(), Aspect.PHYSICAL, property, from, to);
-    }
-
-    private static Action action(String name) {
-        return new Action() {
-            @Override
-            public String name() {
-                return name;
-            }
-
-            @Override
-            public String doc() {
-                return "";
-            }
-
-            @Override
-            public List<Parameter> parameters() {
-                return List.of();
-            }
-
-            @Override
-            public void perform(ActionCall call) {}
-        };
     }
 }

@@ -28,17 +28,6 @@ import reve.core.frame.Timing;
 class WorldMirrorTest {
     private static final int FRAMES = 150;
 
-    /** An action that only has a name. */
-    private record Named(String name, String doc) implements Action {
-        @Override
-        public List<Parameter> parameters() {
-            return List.of();
-        }
-
-        @Override
-        public void perform(ActionCall call) {}
-    }
-
     private Random random = new Random();
     private World world = new World("w", WorldPrototype.standard("si-f64"), new OffHeapArena());
     private int made;
@@ -143,7 +132,7 @@ class WorldMirrorTest {
             case 10 -> any.semantic().set("mood " + random.nextInt(3), random.nextBoolean()
                     ? "söso" : List.of(number(), true, "x"));
             case 11 -> any.semantic().remove("mood " + random.nextInt(3));
-            case 12 -> any.access().set(new Named("act " + random.nextInt(2), "no. " + made++));
+            case 12 -> any.access().set(new TestAction("act " + random.nextInt(2), "no. " + made++));
             case 13 -> any.access().remove("act " + random.nextInt(2));
             case 14 -> edit(any, other);
             default -> clear(any);
@@ -164,7 +153,7 @@ class WorldMirrorTest {
         var body = ItemDefinition.named("body " + made++).at(number(), number(), number())
                 .orientation(number(), number(), number(), 1).symbol("class", "thing");
         if (random.nextBoolean()) {
-            body.action(new Named("act 0", "at first"));
+            body.action(new TestAction("act 0", "at first"));
         }
         return random.nextBoolean() ? body : body.physics("velocity", 0, random.nextFloat(), -0.0);
     }
