@@ -39,7 +39,9 @@ public final class AgentServer implements AutoCloseable {
 
     private final AgentServerConfig config;
     private final Counters counters = new Counters();
-    private final RateLimitedLog log = new RateLimitedLog();
+    private final RateLimitedLog log = new RateLimitedLog(10, "agents");
+    /** Of its own, so that a flood of connections hides nothing that is said of agents. */
+    private final RateLimitedLog strangersLog = new RateLimitedLog(1, "clients that have not said hello");
     private final List<ServedWorld> worlds;
     private final EventLoop loop;
     private final ServerSocketChannel listening;
@@ -205,6 +207,11 @@ public final class AgentServer implements AutoCloseable {
 
     RateLimitedLog log() {
         return log;
+    }
+
+    /** About connections that have not said hello. */
+    RateLimitedLog strangersLog() {
+        return strangersLog;
     }
 
     Optional<AuditLog> audit() {
@@ -401,7 +408,7 @@ public final class AgentServer implements AutoCloseable {
     private void turnAway(SocketChannel channel, Ending why) {
         counters.cut.increment();
         try (channel) {
-            log.warn("a client at " + channel.getRemoteAddress() + " was turned away: " + why.getMessage());
+            strangersLog.warn("a client at " + channel.getRemoteAddress() + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
             if (config.security().tls().isEmpty()) { // else it would take a handshake
                 channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));

@@ -108,12 +108,14 @@ final class Connection implements EventLoop.Handler {
     }
 
     private void report(Ending why) {
-        String who = session == null ? "a client at " + address : session.toString();
-        String line = who + " left: " + why.code() + ": " + why.getMessage();
+        Session client = session;
+        RateLimitedLog log = client == null ? server.strangersLog() : server.log();
+        String line = (client == null ? "a client at " + address : client) + " left: " + why.code() + ": "
+                + why.getMessage();
         if (why.isCut()) {
-            server.log().warn(line);
+            log.warn(line);
         } else {
-            server.log().info(line);
+            log.info(line);
         }
     }
 

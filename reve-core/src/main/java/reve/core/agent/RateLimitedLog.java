@@ -8,12 +8,19 @@ import org.slf4j.LoggerFactory;
 final class RateLimitedLog {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
-    private static final int LINES_PER_SECOND = 10;
     private static final long SECOND_NANOS = TimeUnit.SECONDS.toNanos(1);
 
+    private final int linesPerSecond;
+    private final String who;
     private long secondBegan = System.nanoTime();
     private int lines;
     private int leftOut;
+
+    /** @param who the lines are about, as in "7 more lines about WHO" */
+    RateLimitedLog(int linesPerSecond, String who) {
+        this.linesPerSecond = linesPerSecond;
+        this.who = who;
+    }
 
     void info(String message) {
         if (mayLog()) {
@@ -37,13 +44,13 @@ final class RateLimitedLog {
         long now = System.nanoTime();
         if (now - secondBegan >= SECOND_NANOS) {
             if (leftOut > 0) {
-                LOG.warn("{} more lines about agents were left out", leftOut);
+                LOG.warn("{} more lines about {} were left out", leftOut, who);
             }
             secondBegan = now;
             lines = 0;
             leftOut = 0;
         }
-        boolean may = lines < LINES_PER_SECOND;
+        boolean may = lines < linesPerSecond;
         if (may) {
             lines++;
         } else {

@@ -46,7 +46,7 @@ class AgentAbuseTest {
 
     private static final Duration HELLO = Duration.ofSeconds(2);
     private static final Duration SOON = Duration.ofMillis(500);
-    private static final Duration LATER = Duration.ofMinutes(5);
+    private static final Duration IDLE = Duration.ofSeconds(2);
     private static final long MAX_HEAP_GROWTH = 64L * 1024 * 1024;
     private static final long FRAME_NANOS = 1_000_000;
     private static final int MAX_MORE_FILES = 8; // of the virtual machine itself
@@ -139,6 +139,21 @@ class AgentAbuseTest {
                 }
             }
         },
+        READS_A_BYTE_AT_A_TIME("too-slow") {
+            @Override
+            void behave(Attacker attacker) throws IOException {
+                attacker.say(attacker.hello("") + "{\"t\":\"perceive\",\"every\":1,\"id\":1}\n");
+                while (attacker.socket.getInputStream().read() >= 0) {
+                    attacker.say(PINGS);
+                }
+            }
+        },
+        VANISHES("idle") {
+            @Override
+            void behave(Attacker attacker) throws IOException {
+                attacker.say(attacker.hello("")); // as if its machine had lost its power: it answers nothing
+            }
+        },
         KNOCKS_A_HUNDRED_TIMES("lost") {
             @Override
             void behave(Attacker attacker) throws IOException {
@@ -217,8 +232,7 @@ class AgentAbuseTest {
     @Test
     void badClientsOfEveryKindGetAReasonAndGoodAgentsNoticeNothing() throws Exception {
         long seed = Seed.of("the abuse");
-        AgentServerConfig config = AgentRoom.config(HELLO, SOON, LATER, SOON);
-        try (AgentRoom room = new AgentRoom(config);
+        try (AgentRoom room = new AgentRoom(config());
                 ExecutorService threads = Executors.newVirtualThreadPerTaskExecutor()) {
             for (int i = 0; i < STONES; i++) {
                 room.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
@@ -262,13 +276,22 @@ class AgentAbuseTest {
             System.out.println(counts);
             assertThat(endings).hasSize(CLIENTS * Kind.values().length);
             assertThat(counts.keySet()).noneMatch(ending -> ending.contains("no bye"));
-            long cut = endings.stream().filter(ending -> ending.matches(".* (hello|line|too)-.*")).count();
+            long cut = endings.stream().filter(ending -> ending.matches(".* (idle|(hello|line|too)-.*)")).count();
             assertThat(room.server.stats().cut()).as("with those that never read")
                     .isGreaterThanOrEqualTo(cut + CLIENTS);
             assertThat(room.world.table("body").rowCount()).as("bodies that are left").isEqualTo(STONES + 1);
             assertThat(openFiles() - files).as("more open files").isLessThanOrEqualTo(MAX_MORE_FILES);
             assertThat(usedHeap() - heap).as("more memory").isLessThan(MAX_HEAP_GROWTH);
         }
+    }
+
+    /** The protocol's limits, but for how long a bad client may take. */
+    private static AgentServerConfig config() {
+        AgentServerConfig c = AgentRoom.config(HELLO, SOON, IDLE, SOON);
+        return new AgentServerConfig(c.address(), c.maxConnections(), c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
+                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.messagesPerSecond(), c.actsInFlight(),
+                AgentRoom.CONFIG.outboxMessages(), AgentRoom.CONFIG.outboxBytes(), c.maxErrors(), c.audit(),
+                c.security());
     }
 
     /** Agents that act and perceive, one after the other. @return the median time of both [us] */

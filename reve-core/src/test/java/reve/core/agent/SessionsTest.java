@@ -24,6 +24,8 @@ import tools.jackson.databind.JsonNode;
 /** Roles, commands that are done at most once, and connections that break and come back. */
 class SessionsTest {
 
+    /** Of an agent whose connection breaks after every third; thirty thousand for a whole run. */
+    private static final int CUT_COMMANDS = Integer.getInteger("reve.abuse.commands", 60);
     private static final String WIND_UP = "{'t':'act','id':%d,'item':'duck','action':'wind-up'}";
 
     private AgentRoom room;
@@ -384,7 +386,7 @@ class SessionsTest {
         String token = ada.expect("welcome").at("/session/token").stringValue();
         ada.expect("event");
         long frameSeen = 1;
-        int commands = 60;
+        int commands = CUT_COMMANDS;
         var open = new TreeSet<Integer>();
         var rings = new ArrayList<Long>();
         for (int id = 0; id < commands || !open.isEmpty(); id++) {
