@@ -140,7 +140,6 @@ TYPED_TEST(AngularMotionTest, SpinAboutTheOuterAxesIsStable) {
 
 /// Torques that the client applies, which the standard prototypes do not know.
 constexpr const char* kDriven = R"(
-real f64
 time [s]
 body inertia: real x3 [kg*m^2] read
 body appliedTorque: real x3 [N*m] read
@@ -150,10 +149,11 @@ body orientation: real x4 [1] read_write
 )";
 
 // Semi-implicit Euler: w = t tau / I and angle = t (t + dt) tau / I / 2.
-TEST(DrivenTop, ConstantTorqueSpinsUpAsTheSchemeSays) {
-  const LoadedPrototype prototype("prototype driven" + std::string(kDriven), "driven");
+TYPED_TEST(AngularMotionTest, ConstantTorqueSpinsUpAsTheSchemeSays) {
+  const std::string real = std::is_same_v<TypeParam, double> ? "real f64" : "real f32";
+  const LoadedPrototype prototype("prototype driven\n" + real + kDriven, "driven");
   PhysicsEngine engine(prototype.get(), {.validate = true, .law_path = VESPER_LAW_PATH});
-  std::vector<double> inertia{4, 2, 2}, applied{6, 0, 0}, torque{0, 0, 0}, spin{0, 0, 0},
+  std::vector<TypeParam> inertia{4, 2, 2}, applied{6, 0, 0}, torque{0, 0, 0}, spin{0, 0, 0},
       orientation{0, 0, 0, 1};
   PhysicalPropertyProvider provider = engine.PropertyProvider();
   provider.AddPhysicalProperty("inertia", inertia);
@@ -165,10 +165,10 @@ TEST(DrivenTop, ConstantTorqueSpinsUpAsTheSchemeSays) {
   const uint32_t steps = 240;
   const double dt = 1.0 / 240, time = steps * dt;
   engine.Advance(dt, steps);
-  EXPECT_NEAR(spin[0], 1.5, Rounding<double>(steps * 16));
+  EXPECT_NEAR(spin[0], 1.5, Rounding<TypeParam>(steps * 16));
   const double half = 1.5 * time * (time + dt) / 4;
-  EXPECT_NEAR(orientation[0], std::sin(half), Rounding<double>(steps * 16));
-  EXPECT_NEAR(orientation[3], std::cos(half), Rounding<double>(steps * 16));
+  EXPECT_NEAR(orientation[0], std::sin(half), Rounding<TypeParam>(steps * 16));
+  EXPECT_NEAR(orientation[3], std::cos(half), Rounding<TypeParam>(steps * 16));
 }
 
 TYPED_TEST(AngularMotionTest, BodyWithAMomentOfZeroKeepsItsBits) {
@@ -177,6 +177,21 @@ TYPED_TEST(AngularMotionTest, BodyWithAMomentOfZeroKeepsItsBits) {
   top.engine.Advance(0.01, 10);
   EXPECT_EQ(top.orientation, orientation);
   EXPECT_EQ(top.angular_velocity, (std::vector<TypeParam>{1, 2, 3}));
+}
+
+TYPED_TEST(AngularMotionTest, BodyOfMassZeroTurnsAboutItsImmovableCentre) {
+  Scene<TypeParam> scene;
+  scene.AddBody(0, {1, 2, 3}, {1, 0, 0});
+  Top<TypeParam> top({1, 1, 1}, {0, 0, 2});
+  PhysicalPropertyProvider provider = top.engine.PropertyProvider();
+  provider.AddPhysicalProperty("mass", scene.mass);
+  provider.AddPhysicalProperty("position", scene.position);
+  provider.AddPhysicalProperty("velocity", scene.velocity);
+  provider.AddPhysicalProperty("externalForce", scene.external_force);
+  top.engine.LoadPhysicsLaw("newton_motion");
+  top.engine.Advance(1.0 / 256, 256);
+  EXPECT_EQ(scene.position, (std::vector<TypeParam>{1, 2, 3}));
+  EXPECT_NEAR(top.orientation[2], std::sin(1.0), Rounding<TypeParam>(1000));
 }
 
 TYPED_TEST(AngularMotionTest, TurnsBesideTheIntegratorsOfOneStageAndIsRefusedBesideOthers) {

@@ -72,6 +72,18 @@ TYPED_TEST(CoulombTest, SofteningKeepsTheForceFinite) {
   EXPECT_NEAR(charges.external_force[0], -3, Rounding<TypeParam>(12));
 }
 
+TYPED_TEST(CoulombTest, MassZeroPushesAndIsPushedButNeverMoves) {
+  Charges<TypeParam> charges;
+  charges.Add(0, 2, {0, 0, 0});
+  charges.Add(1, 3, {0, 0, 1});
+  PhysicsEngine engine = charges.MakeEngine("newton_motion");
+  engine.Advance(0.25);
+  EXPECT_NEAR(charges.external_force[2], -6, Rounding<TypeParam>(24));
+  EXPECT_NEAR(charges.external_force[5], 6, Rounding<TypeParam>(24));
+  EXPECT_EQ(charges.At(charges.position, 0), (Vec3<TypeParam>{0, 0, 0}));
+  EXPECT_NEAR(charges.velocity[5], 1.5, Rounding<TypeParam>(6));
+}
+
 TYPED_TEST(CoulombTest, BodiesWithoutChargeFeelNothing) {
   Charges<TypeParam> charges;
   charges.Add(1, 0, {0, 0, 0});

@@ -39,6 +39,16 @@ TYPED_TEST(DragTest, ForceOpposesVelocity) {
             (std::vector<TypeParam>{-2, 4, -6, -7.5, 0, 10, 0, -6, 0}));
 }
 
+TYPED_TEST(DragTest, MassZeroFeelsTheForceAndKeepsItsBits) {
+  DragScene<TypeParam> scene;
+  scene.AddDragged(0, 2, 0.5, {0, 2, 0});
+  PhysicsEngine engine = scene.MakeDragEngine({"newton_motion"});
+  engine.Advance(0.1, 10);
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{0, -6, 0}));
+  EXPECT_EQ(scene.velocity, (std::vector<TypeParam>{0, 2, 0}));
+  EXPECT_EQ(scene.position, (std::vector<TypeParam>{0, 0, 0}));
+}
+
 TYPED_TEST(DragTest, EitherCoefficientMayBeAbsent) {
   DragScene<TypeParam> scene;
   scene.AddDragged(1, 2, 0.5, {3, 0, -4});

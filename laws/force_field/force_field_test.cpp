@@ -61,6 +61,19 @@ TYPED_TEST(ForceFieldTest, BodyInAHarmonicTrapSwingsAsTheClosedFormSays) {
   EXPECT_EQ(scene.position[2], 1);
 }
 
+TYPED_TEST(ForceFieldTest, MassZeroFeelsTheForceAndNeverMoves) {
+  Scene<TypeParam> scene;
+  scene.AddBody(0, {3, 0, 1});
+  Trap trap{8, {1, 0, 1}};
+  PhysicsEngine engine = scene.MakeEngine();
+  engine.PropertyProvider().SetField("forceField", trap.Function());
+  engine.LoadPhysicsLaw("force_field");
+  engine.LoadPhysicsLaw("newton_motion");
+  engine.Advance(0.1, 10);
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{-16, 0, 0}));
+  EXPECT_EQ(scene.position, (std::vector<TypeParam>{3, 0, 1}));
+}
+
 TYPED_TEST(ForceFieldTest, FieldThatTheClientReplacesActsFromTheNextStepOn) {
   Scene<TypeParam> scene;
   scene.AddBody(1, {1, 0, 0});

@@ -44,6 +44,17 @@ TYPED_TEST(LorentzFieldTest, ForceIsChargeTimesFieldAndVelocityCrossFlux) {
   EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{-10, 22, -2, 0, 0, 0}));
 }
 
+TYPED_TEST(LorentzFieldTest, MassZeroFeelsTheForceAndKeepsItsBits) {
+  ChargedScene<TypeParam> scene;
+  scene.AddCharge(2, 0, {5, 6, 7}, {1, 2, 4});
+  scene.electric = {1, -8, 0.5};
+  PhysicsEngine engine = scene.MakeChargedEngine("newton_motion");
+  engine.Advance(0.1, 10);
+  EXPECT_EQ(scene.external_force, (std::vector<TypeParam>{2, -16, 1}));
+  EXPECT_EQ(scene.velocity, (std::vector<TypeParam>{1, 2, 4}));
+  EXPECT_EQ(scene.position, (std::vector<TypeParam>{5, 6, 7}));
+}
+
 TYPED_TEST(LorentzFieldTest, WorldWithoutFieldsExertsNoForce) {
   ChargedScene<TypeParam> scene;
   scene.AddCharge(1, 1, {0, 0, 0}, {1, 2, 3});

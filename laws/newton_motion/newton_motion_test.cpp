@@ -1,4 +1,4 @@
-#include "scene.hpp"
+#include "oscillator.hpp"
 
 namespace vesper {
 namespace {
@@ -44,6 +44,13 @@ TYPED_TEST(NewtonMotionTest, ConvergesToTheParabolaInFirstOrder) {
   const double fine = XUnderConstantForce<TypeParam>(duration, 128) - exact;
   EXPECT_NEAR(coarse, -4 * duration * (duration / 64) / 2, 1e-4);
   EXPECT_NEAR(coarse / fine, 2, 1e-3);
+}
+
+TYPED_TEST(NewtonMotionTest, ErrorOfAnOscillationFallsWithTheStep) {
+  for (const uint32_t steps : StepsAboveRounding<TypeParam>({50, 100}, {400, 1600})) {
+    const Convergence measured = MeasureConvergence<TypeParam>("newton_motion", steps);
+    EXPECT_NEAR(measured.order, 1, 2. / steps + measured.rounding) << steps << " steps";
+  }
 }
 
 TYPED_TEST(NewtonMotionTest, BodyWithoutForceKeepsItsVelocityToTheBit) {

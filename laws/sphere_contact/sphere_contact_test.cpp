@@ -221,12 +221,12 @@ TEST(SpherePile, ComesToRestAtItsAngleOfReposeAndKeepsIt) {
   EXPECT_LT(LargestWay(scene, before), 1e-6);  // less than a diameter in a month
 }
 
-TEST(SpherePile, BitsDependNeitherOnThreadsNorOnWhenNeighboursWereListed) {
-  auto reference = Block<float>();
+TYPED_TEST(SphereContactTest, BitsDependNeitherOnThreadsNorOnWhenNeighboursWereListed) {
+  auto reference = Block<TypeParam>();
   PhysicsEngine one = reference.MakeSphereEngine({{"stiffness", 2e4}}, 1, false);
   one.Advance(1.0 / 600, 900);
   for (const uint32_t threads : {2u, 8u}) {
-    auto scene = Block<float>();
+    auto scene = Block<TypeParam>();
     PhysicsEngine before = scene.MakeSphereEngine({{"stiffness", 2e4}}, threads, false);
     before.Advance(1.0 / 600, 437);
     PhysicsEngine after = scene.MakeSphereEngine({{"stiffness", 2e4}}, threads, false);

@@ -45,6 +45,28 @@ TYPED_TEST(SurfaceContactTest, RestsWhereTheHardnessCarriesTheWeight) {
   EXPECT_NEAR(Length(scene.At(scene.velocity, ball)), 0, Rounding<TypeParam>(1000));
 }
 
+TYPED_TEST(SurfaceContactTest, MassZeroBearsTheWeightAndKeepsItsBits) {
+  const double mass = 3, k = 2000;
+  ContactScene<TypeParam> scene;
+  scene.gravity = {0, static_cast<TypeParam>(-kGravity), 0};
+  scene.AddGround({k, 2 * std::sqrt(k * mass), 0});
+  const uint32_t ball = scene.AddBody(mass, {0.3f, static_cast<TypeParam>(-mass * kGravity / k), 0});
+  const auto ground = scene.position;
+  PhysicsEngine engine = scene.MakeEngine();
+  for (const char* law : {"gravity_field", "surface_contact", "newton_motion"}) {
+    engine.LoadPhysicsLaw(law);
+  }
+  engine.Advance(1e-3, 100);
+  double borne = 0;
+  for (uint32_t corner = 0; corner < ball; ++corner) {
+    borne += scene.At(scene.external_force, corner).y;
+    EXPECT_EQ(scene.At(scene.position, corner), (Vec3<TypeParam>{
+        ground[3 * corner], ground[3 * corner + 1], ground[3 * corner + 2]}));
+    EXPECT_EQ(scene.At(scene.velocity, corner), (Vec3<TypeParam>{}));
+  }
+  EXPECT_NEAR(borne, -mass * kGravity, Rounding<TypeParam>(1000 * k * 0.015));
+}
+
 /// A point on a plane that is turned so far that its weight pulls along +x with the sine of the
 /// angle.
 template <class Real>

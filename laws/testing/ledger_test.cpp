@@ -134,7 +134,7 @@ TEST(LedgerTest, PotentialEnergyIsThatOfTheArraysAsTheyAre) {
   Oscillator<double> oscillator("newton_motion");
   EXPECT_DOUBLE_EQ(oscillator.engine.PotentialEnergy(1), 0.5 * 100 * 0.25);
   oscillator.engine.Advance(1e-3, 1);
-  oscillator.scene.position[3] = 2.25;
+  oscillator.scene.position[3] = 0.25;
   EXPECT_DOUBLE_EQ(oscillator.engine.PotentialEnergy(1), 0.5 * 100 * 0.0625);
 }
 
