@@ -1,5 +1,5 @@
-// The OpenCL laws through the engine, next to the usual kernel without an engine, and mixed with a
-// law of the CPU next to themselves. Prints a table.
+// The OpenCL laws through the engine, next to the usual kernel without an engine; and mixed with a
+// law of the CPU, or with all arrays brought back, next to themselves. Prints a table.
 //   opencl_bench FOLDER_OF_LAWS [BODIES...]
 #include <cstdlib>
 #include <initializer_list>
@@ -42,6 +42,12 @@ class World {
     engine_.Synchronize({"position"});
   }
 
+  /// The same, and velocities and forces come back too.
+  void AdvanceAll() {
+    engine_.Advance(1e-12);
+    engine_.Synchronize();
+  }
+
   std::array<std::vector<float>, 4> columns;  // x, y, z, mass
 
  private:
@@ -78,5 +84,7 @@ int main(int argc, char** argv) {
                                [&] { kernel.Run(kSoftening * kSoftening); }));
     PrintRow(n, "`opencl_gravitation` and `newton_motion`, next to `opencl_nbody`",
              bench::SideBySide([&] { mixed.Advance(); }, [&] { whole.Advance(); }));
+    PrintRow(n, "`opencl_nbody` with all arrays back, next to positions only",
+             bench::SideBySide([&] { whole.AdvanceAll(); }, [&] { whole.Advance(); }));
   }
 }

@@ -50,7 +50,8 @@ TYPED_TEST(SurfaceContactTest, MassZeroBearsTheWeightAndKeepsItsBits) {
   ContactScene<TypeParam> scene;
   scene.gravity = {0, static_cast<TypeParam>(-kGravity), 0};
   scene.AddGround({k, 2 * std::sqrt(k * mass), 0});
-  const uint32_t ball = scene.AddBody(mass, {0.3f, static_cast<TypeParam>(-mass * kGravity / k), 0});
+  const auto height = static_cast<TypeParam>(-mass * kGravity / k);
+  const uint32_t ball = scene.AddBody(mass, {0.3f, height, 0});
   const auto ground = scene.position;
   PhysicsEngine engine = scene.MakeEngine();
   for (const char* law : {"gravity_field", "surface_contact", "newton_motion"}) {
