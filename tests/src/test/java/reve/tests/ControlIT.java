@@ -94,6 +94,19 @@ class ControlIT {
     }
 
     @Test
+    void aLookAheadAtMoreThanIsToldAtOnceIsRefused() throws Exception {
+        var file = new StringBuilder("reve: 1\nname: crowd\nitems:\n");
+        for (int i = 0; i < 200; i++) {
+            file.append("  - {name: item").append(i).append(", semantic: {note: ").append("x".repeat(4000))
+                    .append("}}\n");
+        }
+        description = WorldFile.load(Files.writeString(folder.resolve("crowd.yaml"), file));
+        serve(boss -> assertThatExceptionOfType(AgentException.class).isThrownBy(() -> boss.foresee(1))
+                .withMessageContaining("more than is told at once").extracting(AgentException::code)
+                .isEqualTo("fork-refused"));
+    }
+
+    @Test
     void aPictureIsTakenOfTheFrameThatItsResultNames() throws Exception {
         long frame = serve(boss -> assertThat(accepted(boss, "picture", Map.of())).isPositive())
                 .frames();

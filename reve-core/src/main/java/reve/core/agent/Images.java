@@ -12,6 +12,9 @@ import reve.core.world.WorldEvent;
 /** What clients of the role control keep of a world by name, to go back to. World's thread, between frames. */
 final class Images {
 
+    /** Less than a world can have, so that there is room for the copies that `save` and `fork` take. */
+    private static final int MAX_NAMES = 32;
+
     private final WorldPort port;
     private final Members members;
     private final Map<String, Kept> kept = new TreeMap<>();
@@ -30,6 +33,10 @@ final class Images {
      * @return the frame at whose end it is like this
      */
     long keep(String name) throws ActionRefused {
+        if (kept.size() >= MAX_NAMES && !kept.containsKey(name)) {
+            throw new ActionRefused("too-many-images", MAX_NAMES + " images are kept, which is the most; "
+                    + "a snapshot under one of their names replaces it: " + kept.keySet());
+        }
         Kept before = kept.remove(name);
         if (before != null) {
             before.image.close();

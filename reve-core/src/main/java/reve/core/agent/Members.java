@@ -37,7 +37,7 @@ public final class Members {
     /** Codes of the world's own refusals whose reasons tell more of it than that. */
     private static final Set<String> TELLING = Set.of("condition-failed", "no-value", "immovable", "no-physics",
             "not-a-body", "attached", "not-attached", "cannot-attach", "cannot-create", "cannot-remove",
-            "no-such-item", "no-such-property", "out-of-range", "not-a-rotation");
+            "no-such-item", "no-such-property", "out-of-range", "not-a-rotation", "not-a-colour", "not-a-symbol");
 
     /** The action has an error of its own, which is for the log. */
     private static final String ACTION_FAILED = "action-failed";

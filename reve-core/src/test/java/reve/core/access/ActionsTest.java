@@ -82,6 +82,7 @@ class ActionsTest {
                   put: {parameters: {to: {type: item}}, effects: [{attach: to}]}
                   drop: {effects: [{detach: true}, {raise: dropped}]}
                   bin: {effects: [{symbol: gone, to: true}, {remove: true}]}
+                  serve: {effects: [{create: {name: lid, parent: tray}}]}
                   trash: {parameters: {what: {type: item}}, effects: [{remove: true, item: what}]}
             """;
 
@@ -190,6 +191,15 @@ class ActionsTest {
     }
 
     @Test
+    void whatIsCreatedNeedsTheItemsThatItIsAbout() throws Exception {
+        act("cook", "cup", "trash", Map.of("what", "tray"));
+
+        var refused = refusal("cook", "cup", "serve", Map.of());
+        assertThat(refused.code()).isEqualTo("cannot-create");
+        assertThat(refused).hasMessageContaining("tray");
+    }
+
+    @Test
     void itemsAreTakenPutAndDropped() throws Exception {
         act("cook", "cup", "take", Map.of());
         assertThat(item("cup").parent()).contains(item("cook"));
@@ -201,6 +211,7 @@ class ActionsTest {
         assertThat(item("cup").parent()).contains(item("tray"));
         assertThat(refusal("mouse", "cup", "trash", Map.of("what", "tray")).code())
                 .isEqualTo("cannot-remove");
+        assertThat(refusal("mouse", "cup", "put", Map.of("to", "world")).code()).isEqualTo("not-a-body");
         act("mouse", "cup", "drop", Map.of());
         assertThat(item("cup").parent()).isEmpty();
 

@@ -18,17 +18,20 @@ import java.util.stream.IntStream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.Seed;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
 import reve.core.file.AgentPolicy;
+import reve.core.world.ActionRefused;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Parameter;
-import reve.core.world.Sensor;
 import reve.core.world.Sensor.Aspect;
+import reve.core.world.Sensor;
 import reve.core.world.Shape;
+import reve.core.world.TestAction;
 import tools.jackson.databind.JsonNode;
 
 /** What a body's sensors do not sense is never sent, and cannot be acted on. */
@@ -158,6 +161,20 @@ class SensorsTest {
             ada.say(act.formatted(3, "duck")).sync();
             room.step();
             assertThat(ada.expect("result").get("accepted").booleanValue()).isTrue();
+        }
+    }
+
+    @ParameterizedTest
+    @ValueSource(strings = {"condition-failed", "no-value", "out-of-range", "not-a-rotation", "not-a-colour",
+        "not-a-symbol"})
+    void whoSensesOnlySomeThingsIsNotToldWhatAnActionFound(String code) throws IOException {
+        ItemDefinition safe = ItemDefinition.named("safe").at(1, 0, 0).action(new TestAction("open", "Opens.", call -> {
+            throw new ActionRefused(code, "its number is 4711");
+        })).build();
+        try (AgentRoom room = room(body(Sensor.sight("eyes", 2)).build(), safe); TestClient ada = room.join("ada")) {
+            ada.say("{'t':'act','id':1,'item':'safe','action':'open'}").sync();
+            room.step();
+            assertThat(ada.expect("result", code).get("reason").stringValue()).contains("safe").doesNotContain("4711");
         }
     }
 

@@ -9,7 +9,7 @@ public record TestAction(String name, String doc, Deed deed) implements Action {
 
     /** What it does. */
     public interface Deed {
-        void perform(ActionCall call);
+        void perform(ActionCall call) throws ActionRefused;
     }
 
     /** One that does nothing. */
@@ -23,7 +23,7 @@ public record TestAction(String name, String doc, Deed deed) implements Action {
     }
 
     @Override
-    public void perform(ActionCall call) {
+    public void perform(ActionCall call) throws ActionRefused {
         deed.perform(call);
     }
 }
