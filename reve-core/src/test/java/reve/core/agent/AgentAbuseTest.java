@@ -40,6 +40,7 @@ class AgentAbuseTest {
     private static final int CLIENTS = Integer.getInteger("reve.abuse.clients", 40);
     /** At the same time, so that there is room for the good ones. */
     private static final int AT_ONCE = 400;
+    private static final Duration PATIENCE = Duration.ofSeconds(20 + CLIENTS / 5);
     private static final int ROUND_TRIPS = 200;
     private static final int GOOD = 4;
     private static final int STONES = 200;
@@ -261,7 +262,7 @@ class AgentAbuseTest {
                 }
             }
             double attacked = goodAgents(room, "good");
-            room.stepUntil("all bad clients have ended", () -> areDone(attackers));
+            room.stepUntil("all bad clients have ended", PATIENCE, () -> areDone(attackers));
             for (Future<?> attacker : attackers) {
                 attacker.get();
             }
@@ -303,7 +304,7 @@ class AgentAbuseTest {
             agents.add(agent);
             Thread.ofPlatform().name(mine).start(agent);
         }
-        room.stepUntil("good agents are done", () -> areDone(agents));
+        room.stepUntil("good agents are done", PATIENCE, () -> areDone(agents));
         long[] all = new long[0];
         for (Future<long[]> agent : agents) {
             long[] times = agent.get();

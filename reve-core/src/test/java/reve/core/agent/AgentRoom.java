@@ -6,7 +6,6 @@ import java.net.InetSocketAddress;
 import java.time.Duration;
 import java.util.List;
 import java.util.Optional;
-import java.util.concurrent.TimeUnit;
 import java.util.function.BooleanSupplier;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
@@ -106,7 +105,12 @@ final class AgentRoom implements AutoCloseable {
 
     /** Frames until something that other threads bring about is so. */
     void stepUntil(String what, BooleanSupplier isSo) {
-        long deadline = System.nanoTime() + TimeUnit.SECONDS.toNanos(20);
+        stepUntil(what, Duration.ofSeconds(20), isSo);
+    }
+
+    /** @param patience after which it is taken never to be so */
+    void stepUntil(String what, Duration patience, BooleanSupplier isSo) {
+        long deadline = System.nanoTime() + patience.toNanos();
         while (!isSo.getAsBoolean()) {
             if (System.nanoTime() > deadline) {
                 throw new AssertionError("not so after " + loop.frame() + " frames: " + what);
