@@ -74,7 +74,7 @@ public final class ChangeCodec {
             applyUnchecked(world, change);
         } catch (IllegalArgumentException | IllegalStateException | JacksonException e) {
             throw new CorruptException("the change " + shortened(change)
-                    + " cannot be made: " + e.getMessage());
+                    + " cannot be made: " + e.getMessage(), e);
         }
     }
 

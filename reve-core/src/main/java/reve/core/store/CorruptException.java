@@ -9,4 +9,9 @@ public final class CorruptException extends RuntimeException {
     public CorruptException(String message) {
         super(message);
     }
+
+    /** As the other one, with what was found out first. */
+    public CorruptException(String message, Throwable cause) {
+        super(message, cause);
+    }
 }

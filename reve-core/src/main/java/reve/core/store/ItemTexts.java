@@ -34,7 +34,9 @@ final class ItemTexts {
         this.writer = new ItemWriter(prototype);
     }
 
-    /** All but id, name, symbols and attachment; the same text for items that are alike in the rest. */
+    /**
+     * All but id, name, symbols and attachment; the same text for items that are alike in the rest.
+     */
     String write(ItemSymbols item) {
         Likeness likeness = item.likeness();
         String known = texts.get(likeness);
@@ -81,7 +83,7 @@ final class ItemTexts {
         try {
             return WorldFile.parseItem("stored item", text, prototype, assets);
         } catch (WorldFileException e) {
-            throw new CorruptException("an item cannot be read: " + e.getMessage());
+            throw new CorruptException("an item cannot be read: " + e.getMessage(), e);
         }
     }
 

@@ -38,7 +38,7 @@ public final class PrototypeCodec {
                     .withSymbols(Trees.list(tree, "symbols").stream()
                             .map(PrototypeCodec::symbol).toList());
         } catch (IllegalArgumentException e) {
-            throw new CorruptException("no prototype: " + e.getMessage());
+            throw new CorruptException("no prototype: " + e.getMessage(), e);
         }
     }
 

@@ -66,7 +66,7 @@ public final class WorldImageCodec {
         try {
             readUnchecked(sections, into);
         } catch (IllegalArgumentException | JacksonException e) {
-            throw new CorruptException("it contradicts itself: " + e.getMessage());
+            throw new CorruptException("it contradicts itself: " + e.getMessage(), e);
         }
     }
 
@@ -111,8 +111,8 @@ public final class WorldImageCodec {
     }
 
     /**
-     * Texts; for each item its id, name, text and symbols, and parent and pose if it has one; and the
-     * symbols of rules of those that have any.
+     * Texts; for each item its id, name, text and symbols, and parent and pose if it has one; and
+     * the symbols of rules of those that have any.
      */
     private Map<String, Object> items(PMap<ItemId, ItemSymbols> symbols) {
         Map<String, Integer> places = new LinkedHashMap<>();

@@ -22,7 +22,8 @@ import reve.worlds.server.Simulation;
 /** Runs a recording again and says whether it is the same, to the bit. */
 @Command(
         name = "replay",
-        description = "Runs a recording again, and says whether every bit is the same or what differs first.")
+        description = "Runs a recording again, and says whether every bit is the same or what "
+                + "differs first.")
 public final class ReplayCommand implements Callable<Integer> {
     @Spec
     private CommandSpec spec = CommandSpec.create();
@@ -61,7 +62,8 @@ public final class ReplayCommand implements Callable<Integer> {
             return replay.take(record, until);
         } catch (CorruptException meaningless) {
             String place = replay.frame() < 0 ? "" : ", after frame " + replay.frame();
-            throw new CorruptException(file + place + ": " + meaningless.getMessage());
+            throw new CorruptException(file + place + ": " + meaningless.getMessage(),
+                    meaningless);
         }
     }
 

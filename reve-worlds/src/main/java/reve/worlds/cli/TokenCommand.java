@@ -17,6 +17,7 @@ import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
 import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
@@ -28,9 +29,41 @@ import reve.core.agent.Role;
 import reve.core.agent.TokenFile;
 
 /** Makes, lists and revokes the tokens that let agents into a server. */
-@Command(name = "token", description = "Makes, lists and revokes the tokens that let agents into a server.")
+@Command(name = "token",
+        description = "Makes, lists and revokes the tokens that let agents into a server.")
 public final class TokenCommand implements Runnable {
     private static final Pattern TIME_TO_LIVE = Pattern.compile("(\\d{1,6})([hd])");
+
+    /** What the holder of a token may do. */
+    static final class RightsOptions {
+        @Option(names = "--roles", paramLabel = "ROLE", split = ",", defaultValue = "agent",
+                description = "Of agent, control, observer (default: ${DEFAULT-VALUE}).")
+        private List<Role> roles = List.of();
+
+        @Option(names = "--worlds", paramLabel = "NAME", split = ",",
+                description = "Only these worlds.")
+        private @Nullable List<String> worlds;
+
+        @Option(names = "--bodies", paramLabel = "ITEM", split = ",",
+                description = "Only these of the bodies that a world lends.")
+        private @Nullable List<String> bodies;
+
+        @Option(names = "--capabilities", paramLabel = "NAME", split = ",",
+                description = "Only these of its body's capabilities.")
+        private @Nullable List<String> capabilities;
+
+        @Option(names = "--lock-step", description = "Let the world wait for it.")
+        private boolean lockStep;
+
+        Rights rights() {
+            return new Rights(Set.copyOf(roles), names(worlds), names(bodies), names(capabilities),
+                    lockStep);
+        }
+
+        private static Optional<Set<String>> names(@Nullable List<String> given) {
+            return Optional.ofNullable(given).map(Set::copyOf);
+        }
+    }
 
     @Spec
     private CommandSpec spec = CommandSpec.create();
@@ -40,29 +73,26 @@ public final class TokenCommand implements Runnable {
         throw new ParameterException(spec.commandLine(), "expected one of new, list, revoke");
     }
 
-    @Command(name = "new", description = "Adds a token to the file, and prints it: the file keeps only its hash.")
+    @Command(name = "new",
+            description = "Adds a token to the file, and prints it: the file keeps only its hash.")
     int issue(
-            @Parameters(paramLabel = "NAME", description = "The name that the client says hello with.") String name,
+            @Parameters(paramLabel = "NAME",
+                    description = "The name that the client says hello with.")
+            String name,
             @Option(names = "--file", paramLabel = "FILE", defaultValue = "tokens.json",
-                    description = "Where tokens are kept, made if missing (default: ${DEFAULT-VALUE}).") Path file,
-            @Option(names = "--roles", paramLabel = "ROLE", split = ",", defaultValue = "agent",
-                    description = "Of agent, control, observer (default: ${DEFAULT-VALUE}).") List<Role> roles,
-            @Option(names = "--worlds", paramLabel = "NAME", split = ",",
-                    description = "Only these worlds.") @Nullable List<String> worlds,
-            @Option(names = "--bodies", paramLabel = "ITEM", split = ",",
-                    description = "Only these of the bodies that a world lends.") @Nullable List<String> bodies,
-            @Option(names = "--capabilities", paramLabel = "NAME", split = ",",
-                    description = "Only these of its body's capabilities.") @Nullable List<String> capabilities,
-            @Option(names = "--lock-step", description = "Let the world wait for it.") boolean lockStep,
+                    description = "Where tokens are kept, made if missing "
+                            + "(default: ${DEFAULT-VALUE}).")
+            Path file,
+            @Mixin RightsOptions rights,
             @Option(names = "--expires", paramLabel = "WHEN",
-                    description = "30d, 12h, or a time such as 2030-01-31T12:00:00Z.") Optional<String> expires,
-            @Option(names = "--json", description = "Print the result as one JSON document.") boolean json)
+                    description = "30d, 12h, or a time such as 2030-01-31T12:00:00Z.")
+            Optional<String> expires,
+            @Option(names = "--json", description = "Print the result as one JSON document.")
+            boolean json)
             throws IOException {
-        var rights = new Rights(Set.copyOf(roles), names(worlds), names(bodies), names(capabilities),
-                lockStep);
         AgentToken.Issued issued;
         try {
-            issued = AgentToken.issue(name, rights, expires.map(TokenCommand::instant));
+            issued = AgentToken.issue(name, rights.rights(), expires.map(TokenCommand::instant));
         } catch (IllegalArgumentException e) {
             throw new ParameterException(spec.commandLine(), e.getMessage());
         }
@@ -72,18 +102,21 @@ public final class TokenCommand implements Runnable {
             fields.putAll(fields(issued.token()));
             Json.print(spec, fields);
         } else {
-            spec.commandLine().getErr().println("reve: this token of " + name + " is shown only now; " + file
-                    + " keeps its hash");
+            spec.commandLine().getErr().println("reve: this token of " + name
+                    + " is shown only now; " + file + " keeps its hash");
             spec.commandLine().getOut().println(issued.secret());
         }
         return ExitCode.OK;
     }
 
-    @Command(name = "list", description = "Lists the tokens of a file, which cannot be read back from it.")
+    @Command(name = "list",
+            description = "Lists the tokens of a file, which cannot be read back from it.")
     int list(
             @Option(names = "--file", paramLabel = "FILE", defaultValue = "tokens.json",
-                    description = "Where tokens are kept (default: ${DEFAULT-VALUE}).") Path file,
-            @Option(names = "--json", description = "Print the result as one JSON document.") boolean json)
+                    description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
+            Path file,
+            @Option(names = "--json", description = "Print the result as one JSON document.")
+            boolean json)
             throws IOException {
         List<Map<String, Object>> tokens = new ArrayList<>();
         for (AgentToken token : TokenFile.open(file).tokens()) {
@@ -97,32 +130,35 @@ public final class TokenCommand implements Runnable {
         return ExitCode.OK;
     }
 
-    @Command(name = "revoke", description = "Takes tokens out of a file; who is in a server by one of them is sent away.")
+    @Command(name = "revoke",
+            description = "Takes tokens out of a file; who is in a server by one of them is sent "
+                    + "away.")
     int revoke(
-            @Parameters(paramLabel = "NAME|ID", description = "A client's name, for all of its tokens, or one's id.")
+            @Parameters(paramLabel = "NAME|ID",
+                    description = "A client's name, for all of its tokens, or one's id.")
             String nameOrId,
             @Option(names = "--file", paramLabel = "FILE", defaultValue = "tokens.json",
-                    description = "Where tokens are kept (default: ${DEFAULT-VALUE}).") Path file)
+                    description = "Where tokens are kept (default: ${DEFAULT-VALUE}).")
+            Path file)
             throws IOException {
         List<AgentToken> revoked = TokenFile.revoke(file, nameOrId);
         if (revoked.isEmpty()) {
-            spec.commandLine().getErr().println("reve: " + file + " has no token of the name or id " + nameOrId
-                    + "; ./reve token list --file " + file + " shows those that it has");
+            spec.commandLine().getErr().println("reve: " + file + " has no token of the name or id "
+                    + nameOrId + "; ./reve token list --file " + file
+                    + " shows those that it has");
             return ExitCode.FAILURE;
         }
-        revoked.forEach(token -> spec.commandLine().getOut().println("revoked " + line(fields(token))));
+        revoked.forEach(token -> spec.commandLine().getOut()
+                .println("revoked " + line(fields(token))));
         return ExitCode.OK;
-    }
-
-    private static Optional<Set<String>> names(@Nullable List<String> given) {
-        return Optional.ofNullable(given).map(Set::copyOf);
     }
 
     private static Instant instant(String when) {
         Matcher time = TIME_TO_LIVE.matcher(when);
         if (time.matches()) {
             int count = Integer.parseInt(time.group(1));
-            return Instant.now().plus(time.group(2).equals("d") ? Duration.ofDays(count) : Duration.ofHours(count));
+            return Instant.now().plus(time.group(2).equals("d") ? Duration.ofDays(count)
+                    : Duration.ofHours(count));
         }
         try {
             return Instant.parse(when);
@@ -152,7 +188,8 @@ public final class TokenCommand implements Runnable {
     }
 
     private static String line(Map<String, Object> fields) {
-        var line = new StringBuilder(String.format(Locale.ROOT, "%s %s", fields.get("id"), fields.get("name")));
+        var line = new StringBuilder(String.format(Locale.ROOT, "%s %s", fields.get("id"),
+                fields.get("name")));
         fields.forEach((field, value) -> {
             if (!field.equals("id") && !field.equals("name")) {
                 line.append(' ').append(field).append('=').append(value);

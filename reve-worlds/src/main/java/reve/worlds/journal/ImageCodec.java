@@ -77,7 +77,7 @@ public final class ImageCodec {
                     .forEach(member -> members.put(member.getKey(), member.getValue().asLong()));
             return new Stored(WorldHeader.read(tree), members, tree, sections);
         } catch (IllegalArgumentException | JacksonException e) {
-            throw new CorruptException("its header makes no sense: " + e.getMessage());
+            throw new CorruptException("its header makes no sense: " + e.getMessage(), e);
         }
     }
 
