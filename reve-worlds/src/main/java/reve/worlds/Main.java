@@ -16,10 +16,14 @@ import reve.worlds.cli.ServeCommand;
 import reve.worlds.cli.SnapshotCommand;
 import reve.worlds.cli.TokenCommand;
 
-/** The {@code ./reve} command line: parses arguments, picks a command, turns failures into exit codes. */
+/**
+ * The {@code ./reve} command line: parses arguments, picks a command, turns failures into exit
+ * codes.
+ */
 @Command(
         name = "./reve",
-        description = "Virtual worlds whose laws of nature can be dropped in, swapped and removed while they run.",
+        description = "Virtual worlds whose laws of nature can be dropped in, swapped and removed "
+                + "while they run.",
         mixinStandardHelpOptions = true,
         versionProvider = Main.Version.class,
         scope = ScopeType.INHERIT,
@@ -63,7 +67,8 @@ public final class Main {
     }
 
     /** One message for people, no stack trace: what they can do about it stands in the message. */
-    private static int explain(Exception failure, CommandLine line, CommandLine.ParseResult parsed) {
+    private static int explain(Exception failure, CommandLine line,
+            CommandLine.ParseResult parsed) {
         PrintWriter err = line.getErr();
         int code = ExitCode.of(failure);
         String message = failure.getMessage() == null ? failure.toString() : failure.getMessage();

@@ -7,8 +7,8 @@ import java.util.Optional;
  * An action of an item, with its arguments.
  *
  * @param item empty for the agent's own body, whatever its name is
- * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a Boolean, in the units
- *     that the action declares
+ * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a
+ *     Boolean, in the units that the action declares
  */
 public record Act(Optional<String> item, String action, Map<String, ?> arguments) {
 

@@ -15,14 +15,16 @@ import org.jspecify.annotations.Nullable;
 import tools.jackson.databind.node.ObjectNode;
 
 /**
- * An agent in a world. Calls block until the server has answered; a thread of the client's own reads, so that the
- * server's pings are answered while the agent thinks. Methods may be called from any thread.
+ * An agent in a world. Calls block until the server has answered; a thread of the client's own
+ * reads, so that the server's pings are answered while the agent thinks. Methods may be called from
+ * any thread.
  *
- * <p>With {@link Join#withGrace} the client goes on by itself over another connection when one breaks: whoever waits
- * for an answer gets it, and no action is done twice.
+ * <p>With {@link Join#withGrace} the client goes on by itself over another connection when one
+ * breaks: whoever waits for an answer gets it, and no action is done twice.
  *
- * <p>Every call throws {@link DisconnectedException} once the connection has ended, and {@link AgentException} with
- * code {@code no-answer} if the server is silent for longer than the patience.
+ * <p>Every call throws {@link DisconnectedException} once the connection has ended, and
+ * {@link AgentException} with code {@code no-answer} if the server is silent for longer than the
+ * patience.
  */
 public final class AgentClient implements AutoCloseable {
 
@@ -89,8 +91,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * The items of the next frame; the symbols of bodies with a shape hold {@code near}, {@code on}, {@code inside}
-     * and {@code touching}, too.
+     * The items of the next frame; the symbols of bodies with a shape hold {@code near},
+     * {@code on}, {@code inside} and {@code touching}, too.
      */
     public Perception perceiveWithRelations() {
         return ask(Protocol::perceiveWithRelations, Perception.class);
@@ -103,7 +105,8 @@ public final class AgentClient implements AutoCloseable {
      */
     public void perceiveEvery(int frames) {
         if (welcome.lockStep().isPresent()) {
-            throw new IllegalStateException("an agent in lock-step perceives its rounds: use observe or step");
+            throw new IllegalStateException(
+                    "an agent in lock-step perceives its rounds: use observe or step");
         }
         if (frames < 1) {
             throw new IllegalArgumentException("every " + frames + " frames, expected 1 or more");
@@ -112,7 +115,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Waits for the newest perception that the agent has not seen: who is slow skips some, and never gets old ones.
+     * Waits for the newest perception that the agent has not seen: who is slow skips some, and
+     * never gets old ones.
      *
      * @throws IllegalStateException without {@link #perceiveEvery}
      */
@@ -145,27 +149,31 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * Asks an item to do one of its actions and waits for the outcome. A refusal is a result, no exception.
+     * Asks an item to do one of its actions and waits for the outcome. A refusal is a result, no
+     * exception.
      *
-     * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a Boolean, in the
-     *     units that the action declares
+     * @param arguments by parameter name: a Number, a double[] or List of Numbers, a String or a
+     *     Boolean, in the units that the action declares
      */
     public ActResult act(String item, String action, Map<String, ?> arguments) {
         return ask(id -> Protocol.act(id, item, action, arguments), ActResult.class);
     }
 
     /**
-     * Has a command of the role control done and waits for the outcome: pause, step, run, snapshot, rewind, edit,
-     * load-law, unload-law, picture, save or shut-down, with the fields that the protocol's page lists.
+     * Has a command of the role control done and waits for the outcome: pause, step, run, snapshot,
+     * rewind, edit, load-law, unload-law, picture, save or shut-down, with the fields that the
+     * protocol's page lists.
      *
-     * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map of Numbers
+     * @param fields by name: a Number, a double[] or List of Numbers, a String, a Boolean, or a Map
+     *     of Numbers
      */
     public ActResult command(String type, Map<String, ?> fields) {
         return ask(id -> Protocol.command(id, type, fields), ActResult.class);
     }
 
     /**
-     * What would be perceived that many frames from now, if nobody did anything; for the role control.
+     * What would be perceived that many frames from now, if nobody did anything; for the role
+     * control.
      *
      * @throws AgentException with the server's code if it refuses to look so far ahead
      */
@@ -181,8 +189,8 @@ public final class AgentClient implements AutoCloseable {
     // ---- lock-step ----
 
     /**
-     * In lock-step: does these things in the next frame and returns what is perceived then, or at the end of a round of
-     * several frames, with the results.
+     * In lock-step: does these things in the next frame and returns what is perceived then, or at
+     * the end of a round of several frames, with the results.
      *
      * @throws IllegalStateException if the agent is not in lock-step
      */
@@ -191,15 +199,18 @@ public final class AgentClient implements AutoCloseable {
         return observe();
     }
 
-    /** In lock-step: does these things in the next frame, for which the world need not wait any longer. */
+    /**
+     * In lock-step: does these things in the next frame, for which the world need not wait any
+     * longer.
+     */
     public void ready(Act... acts) {
         requireLockStep();
         say(() -> talk.ready(acts));
     }
 
     /**
-     * In lock-step: waits for the newest perception that was not observed yet, after which the world waits for the
-     * agent. The first is that of the frame that it joined in.
+     * In lock-step: waits for the newest perception that was not observed yet, after which the
+     * world waits for the agent. The first is that of the frame that it joined in.
      */
     public Perception observe() {
         return observe(0);
@@ -208,7 +219,8 @@ public final class AgentClient implements AutoCloseable {
     /** As {@link #observe()}, of that frame or a later one. */
     public Perception observe(long frame) {
         LockStep time = requireLockStep();
-        Duration longest = patience.plus(time.deadline()).plusMillis(1000L * time.every() / welcome.rate());
+        Duration longest = patience.plus(time.deadline())
+                .plusMillis(1000L * time.every() / welcome.rate());
         while (true) {
             synchronized (this) {
                 await(() -> talk.hasObservation(frame) || talk.mustSayReady(), longest);
@@ -265,7 +277,8 @@ public final class AgentClient implements AutoCloseable {
         return ask(() -> talk.question(build), answerType);
     }
 
-    private <T extends ServerMessage> T ask(Supplier<Conversation.Question> ask, Class<T> answerType) {
+    private <T extends ServerMessage> T ask(Supplier<Conversation.Question> ask,
+            Class<T> answerType) {
         long id;
         synchronized (sending) {
             Conversation.Question question;
@@ -317,12 +330,16 @@ public final class AgentClient implements AutoCloseable {
                 TimeUnit.NANOSECONDS.timedWait(this, left);
             } catch (InterruptedException e) {
                 Thread.currentThread().interrupt();
-                throw new AgentException("interrupted", "the waiting thread was interrupted", Optional.empty());
+                throw new AgentException("interrupted", "the waiting thread was interrupted",
+                        Optional.empty());
             }
         }
     }
 
-    /** With {@link #sending} held. Over a broken connection nothing: what matters is said again over the next. */
+    /**
+     * With {@link #sending} held. Over a broken connection nothing: what matters is said again over
+     * the next.
+     */
     private void send(byte[] lines) {
         try {
             wire.write(lines);
@@ -342,7 +359,8 @@ public final class AgentClient implements AutoCloseable {
     }
 
     private static DisconnectedException lost(IOException cause) {
-        return new DisconnectedException("lost", "the connection broke: " + cause.getMessage(), Optional.empty());
+        return new DisconnectedException("lost", "the connection broke: " + cause.getMessage(),
+                Optional.empty());
     }
 
     // ---- the reader's thread ----

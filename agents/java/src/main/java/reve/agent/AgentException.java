@@ -4,8 +4,8 @@ import java.time.Duration;
 import java.util.Optional;
 
 /**
- * The server refused a message, ended the connection, or is silent. The code is for programs, the message, which
- * ends with the hint if there is one, for people.
+ * The server refused a message, ended the connection, or is silent. The code is for programs, the
+ * message, which ends with the hint if there is one, for people.
  */
 public class AgentException extends RuntimeException {
 
@@ -25,15 +25,19 @@ public class AgentException extends RuntimeException {
     }
 
     static AgentException unexpected(ServerMessage message) {
-        return new AgentException("protocol", "the server sent what nobody asked for: " + message, Optional.empty());
+        return new AgentException("protocol", "the server sent what nobody asked for: " + message,
+                Optional.empty());
     }
 
     static AgentException noAnswer(Duration waited) {
-        return new AgentException("no-answer", "the server was silent for " + waited.toMillis() / 1000.0 + " s",
-                Optional.of("is its world running?"));
+        return new AgentException("no-answer", "the server was silent for "
+                + waited.toMillis() / 1000.0 + " s", Optional.of("is its world running?"));
     }
 
-    /** One of the codes of the protocol; {@code no-answer} for silence, {@code protocol} for what is no message. */
+    /**
+     * One of the codes of the protocol; {@code no-answer} for silence, {@code protocol} for what is
+     * no message.
+     */
     public String code() {
         return code;
     }

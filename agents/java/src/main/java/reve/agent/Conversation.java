@@ -19,8 +19,9 @@ import org.jspecify.annotations.Nullable;
 import tools.jackson.databind.node.ObjectNode;
 
 /**
- * What a client and a server have said to each other: one session, over however many connections. No sockets, no
- * threads: what is to be sent is returned as bytes, what has come is given to {@link #take}. Who shares one holds a lock.
+ * What a client and a server have said to each other: one session, over however many connections.
+ * No sockets, no threads: what is to be sent is returned as bytes, what has come is given to
+ * {@link #take}. Who shares one holds a lock.
  */
 final class Conversation {
 
@@ -173,9 +174,13 @@ final class Conversation {
         return lines.toByteArray();
     }
 
-    /** True if a perception of that frame or a later one was not looked at, and the results of what was done are here. */
+    /**
+     * True if a perception of that frame or a later one was not looked at, and the results of what
+     * was done are here.
+     */
     boolean hasObservation(long frame) {
-        return known != null && known.frame() > observedFrame && known.frame() >= frame && isAllDone();
+        return known != null && known.frame() > observedFrame && known.frame() >= frame
+                && isAllDone();
     }
 
     Perception observation() {
@@ -190,7 +195,9 @@ final class Conversation {
         }
     }
 
-    /** True if the round went on without us, and the next one waits while we still wait for results. */
+    /**
+     * True if the round went on without us, and the next one waits while we still wait for results.
+     */
     boolean mustSayReady() {
         return known != null && known.frame() > readyFrame && !isAllDone();
     }
@@ -223,7 +230,8 @@ final class Conversation {
             case ServerMessage.Ping ping -> {
                 return Optional.of(encode(Protocol.pong()));
             }
-            case ServerMessage.Bye bye -> throw new DisconnectedException(bye.code(), bye.message(), bye.hint());
+            case ServerMessage.Bye bye -> throw new DisconnectedException(bye.code(), bye.message(),
+                    bye.hint());
             case ServerMessage.Pong pong -> answer(pong.id(), pong);
             case ServerMessage.Error error -> {
                 if (error.id().isEmpty()) {
@@ -266,7 +274,8 @@ final class Conversation {
 
     /** In lock-step perceptions come without having been asked for. */
     private OptionalLong stream() {
-        return welcome.lockStep().isPresent() ? OptionalLong.empty() : OptionalLong.of(subscription);
+        return welcome.lockStep().isPresent() ? OptionalLong.empty()
+                : OptionalLong.of(subscription);
     }
 
     private void answer(OptionalLong id, ServerMessage message) {
@@ -301,10 +310,8 @@ final class Conversation {
 
     /** How another connection goes on; empty where that is not possible. */
     Optional<Join> greeting() {
-        return welcome.session().map(session -> new Join(join.name(), join.role(), Optional.of(welcome.world()),
-                Optional.empty(), join.encoding(), Duration.ZERO, Optional.empty(),
-                Optional.of(new Join.Resume(session.token(), Math.max(0, frameSeen))), join.token(), join.tls(),
-                join.patience()));
+        return welcome.session().map(session -> join.resuming(welcome.world(),
+                new Join.Resume(session.token(), Math.max(0, frameSeen))));
     }
 
     /** Another connection has been welcomed: what has to be said again over it. */

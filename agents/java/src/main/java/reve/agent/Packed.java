@@ -26,7 +26,8 @@ final class Packed {
         try (MessageBufferPacker packer = MessagePack.newDefaultBufferPacker()) {
             write(packer, message);
             byte[] bytes = packer.toByteArray();
-            return ByteBuffer.allocate(LENGTH_BYTES + bytes.length).putInt(bytes.length).put(bytes).array();
+            return ByteBuffer.allocate(LENGTH_BYTES + bytes.length).putInt(bytes.length).put(bytes)
+                    .array();
         } catch (IOException e) {
             throw new UncheckedIOException(e); // it writes to memory
         }
@@ -78,7 +79,8 @@ final class Packed {
             case ARRAY -> list(unpacker);
             case MAP -> map(unpacker);
             case BINARY -> NODES.binaryNode(unpacker.readPayload(unpacker.unpackBinaryHeader()));
-            case EXTENSION -> throw new IOException("the server sent a value that JSON has no form of");
+            case EXTENSION ->
+                    throw new IOException("the server sent a value that JSON has no form of");
         };
     }
 

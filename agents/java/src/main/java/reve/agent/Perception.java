@@ -14,7 +14,8 @@ import java.util.OptionalLong;
  * @param time of the world [s]
  * @param results in lock-step those of what was done in the round before, in order
  */
-public record Perception(OptionalLong id, long frame, double time, List<Item> items, List<ActResult> results)
+public record Perception(OptionalLong id, long frame, double time, List<Item> items,
+        List<ActResult> results)
         implements ServerMessage {
 
     Perception(OptionalLong id, long frame, double time, List<Item> items) {
@@ -37,30 +38,36 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
      */
     Perception updated(Update update) {
         if (update.since() != frame) {
-            throw new AgentException("protocol", "an update to frame " + update.since() + " came after frame " + frame,
-                    Optional.empty());
+            throw new AgentException("protocol", "an update to frame " + update.since()
+                    + " came after frame " + frame, Optional.empty());
         }
         var known = new LinkedHashMap<String, Item>();
         items.forEach(item -> known.put(item.name(), item));
         update.left().forEach(known::remove);
         update.entered().forEach(item -> known.put(item.name(), item));
         for (Update.Change change : update.changed()) {
-            if (known.computeIfPresent(change.name(), (name, item) -> change.applyTo(item)) == null) {
-                throw new AgentException("protocol", change.name() + " changed, which the agent does not perceive",
+            Item changed = known.computeIfPresent(change.name(),
+                    (name, item) -> change.applyTo(item));
+            if (changed == null) {
+                throw new AgentException("protocol",
+                        change.name() + " changed, which the agent does not perceive",
                         Optional.empty());
             }
         }
-        return new Perception(update.id(), update.frame(), update.time(), List.copyOf(known.values()));
+        return new Perception(update.id(), update.frame(), update.time(),
+                List.copyOf(known.values()));
     }
 
     /**
      * One item as perceived.
      *
-     * @param location in the world's frame [m]; empty for what has no place or one that is not sensed
+     * @param location in the world's frame [m]; empty for what has no place or one that is not
+     *     sensed
      * @param orientation in the world's frame
      * @param symbols String, Double, Boolean or a List of these by name
      * @param actions by name: parameters by name
-     * @param needs capabilities that the body of who acts must have, by action; those that need none are left out
+     * @param needs capabilities that the body of who acts must have, by action; those that need
+     *     none are left out
      * @param capabilities the item's own
      */
     public record Item(String name, Optional<Location> location, Orientation orientation,
@@ -86,6 +93,6 @@ public record Perception(OptionalLong id, long frame, double time, List<Item> it
      * @param min least value of each of them, if there is a bound
      * @param max greatest value of each of them, if there is a bound
      */
-    public record Parameter(String type, OptionalInt components, Optional<String> unit, OptionalDouble min,
-            OptionalDouble max) {}
+    public record Parameter(String type, OptionalInt components, Optional<String> unit,
+            OptionalDouble min, OptionalDouble max) {}
 }

@@ -148,20 +148,23 @@ final class Protocol {
                 for (Object element : list) {
                     if (!(element instanceof Number number)) {
                         throw new IllegalArgumentException(
-                                "argument " + name + " is a list with " + element + ", expected numbers only");
+                                "argument " + name + " is a list with " + element
+                                + ", expected numbers only");
                     }
                     numbers.add(finite(name, number));
                 }
                 yield JSON.valueToTree(numbers);
             }
             default -> throw new IllegalArgumentException("argument " + name + " is a "
-                    + value.getClass().getSimpleName() + ", expected a number, numbers, a text or a truth value");
+                    + value.getClass().getSimpleName()
+                    + ", expected a number, numbers, a text or a truth value");
         };
     }
 
     private static Number finite(String name, Number number) {
         if (!Double.isFinite(number.doubleValue())) {
-            throw new IllegalArgumentException("argument " + name + " is " + number + ", expected a finite number");
+            throw new IllegalArgumentException("argument " + name + " is " + number
+                    + ", expected a finite number");
         }
         return number;
     }
@@ -192,15 +195,13 @@ final class Protocol {
     private static ServerMessage read(JsonNode message) {
         return switch (text(message, "t")) {
             case "welcome" -> welcome(message);
-            case "perception" -> message.has("since") ? update(message) : new Perception(id(message),
-                    message.required("frame").longValue(), message.required("time").doubleValue(),
-                    list(message.required("items"), Protocol::item));
+            case "perception" -> message.has("since") ? update(message) : perception(message);
             case "image" -> image(message);
             case "result" -> result(message);
-            case "event" -> new WorldEvent(message.required("frame").longValue(), text(message, "type"),
-                    map(message.required("fields"), Protocol::value));
-            case "error" -> new ServerMessage.Error(id(message), text(message, "code"), text(message, "message"),
-                    optional(message, "hint"));
+            case "event" -> new WorldEvent(message.required("frame").longValue(),
+                    text(message, "type"), map(message.required("fields"), Protocol::value));
+            case "error" -> new ServerMessage.Error(id(message), text(message, "code"),
+                    text(message, "message"), optional(message, "hint"));
             case "ping" -> new ServerMessage.Ping();
             case "pong" -> new ServerMessage.Pong(id(message));
             case "bye" -> new ServerMessage.Bye(text(message, "code"), text(message, "message"),
@@ -210,14 +211,23 @@ final class Protocol {
     }
 
     private static AgentException noMessage(String line) {
-        return new AgentException("protocol", "the server sent what is no message of protocol " + VERSION
-                + ": " + line.substring(0, Math.min(SHOWN, line.length())), Optional.empty());
+        return new AgentException("protocol", "the server sent what is no message of protocol "
+                + VERSION + ": " + line.substring(0, Math.min(SHOWN, line.length())),
+                Optional.empty());
+    }
+
+    private static Perception perception(JsonNode message) {
+        return new Perception(id(message), message.required("frame").longValue(),
+                message.required("time").doubleValue(),
+                list(message.required("items"), Protocol::item));
     }
 
     private static Update update(JsonNode message) {
-        return new Update(id(message), message.required("frame").longValue(), message.required("time").doubleValue(),
-                message.required("since").longValue(), list(message.path("left"), JsonNode::stringValue),
-                list(message.path("entered"), Protocol::item), list(message.path("changed"), Protocol::change));
+        return new Update(id(message), message.required("frame").longValue(),
+                message.required("time").doubleValue(), message.required("since").longValue(),
+                list(message.path("left"), JsonNode::stringValue),
+                list(message.path("entered"), Protocol::item),
+                list(message.path("changed"), Protocol::change));
     }
 
     private static <T> List<T> list(JsonNode list, Function<JsonNode, T> read) {
@@ -225,17 +235,27 @@ final class Protocol {
     }
 
     private static Welcome welcome(JsonNode message) {
-        JsonNode limits = message.required("limits");
-        return new Welcome(id(message), message.required("protocol").intValue(), text(message, "role"),
-                text(message, "agent"), optional(message, "body"), text(message, "world"),
-                message.required("frame").longValue(), message.required("rate").intValue(),
-                text(message, "encoding", Encoding.JSON.wireName()), message.optional("time").map(Protocol::lockStep),
-                message.optional("session").map(session -> new Welcome.Ticket(text(session, "token"),
-                        session.required("graceSeconds").doubleValue())), message.path("resumed").asBoolean(false),
-                new Welcome.Limits(limits.required("lineBytes").intValue(),
-                        limits.required("messagesPerSecond").intValue(),
-                        limits.required("actsInFlight").intValue(), limits.required("idleSeconds").doubleValue(),
-                        limits.required("graceSeconds").doubleValue()));
+        return new Welcome(id(message), message.required("protocol").intValue(),
+                text(message, "role"), text(message, "agent"), optional(message, "body"),
+                text(message, "world"), message.required("frame").longValue(),
+                message.required("rate").intValue(),
+                text(message, "encoding", Encoding.JSON.wireName()),
+                message.optional("time").map(Protocol::lockStep),
+                message.optional("session").map(Protocol::ticket),
+                message.path("resumed").asBoolean(false), limits(message.required("limits")));
+    }
+
+    private static Welcome.Ticket ticket(JsonNode session) {
+        return new Welcome.Ticket(text(session, "token"),
+                session.required("graceSeconds").doubleValue());
+    }
+
+    private static Welcome.Limits limits(JsonNode limits) {
+        return new Welcome.Limits(limits.required("lineBytes").intValue(),
+                limits.required("messagesPerSecond").intValue(),
+                limits.required("actsInFlight").intValue(),
+                limits.required("idleSeconds").doubleValue(),
+                limits.required("graceSeconds").doubleValue());
     }
 
     private static LockStep lockStep(JsonNode time) {
@@ -247,19 +267,22 @@ final class Protocol {
         return new Image(message.required("id").longValue(), message.required("frame").longValue(),
                 message.required("time").doubleValue(), text(message, "sensor"),
                 message.required("width").intValue(), message.required("height").intValue(),
-                message.optional("colour").map(Protocol::bytes), message.optional("depth").map(Protocol::bytes),
-                message.optional("items").map(Protocol::bytes), list(message.path("names"), JsonNode::stringValue));
+                message.optional("colour").map(Protocol::bytes),
+                message.optional("depth").map(Protocol::bytes),
+                message.optional("items").map(Protocol::bytes),
+                list(message.path("names"), JsonNode::stringValue));
     }
 
     private static ByteBuffer bytes(JsonNode layer) {
-        return ByteBuffer.wrap(layer.binaryValue()).asReadOnlyBuffer().order(ByteOrder.LITTLE_ENDIAN);
+        return ByteBuffer.wrap(layer.binaryValue()).asReadOnlyBuffer()
+                .order(ByteOrder.LITTLE_ENDIAN);
     }
 
     private static ActResult result(JsonNode message) {
         long id = message.required("id").longValue();
         return message.required("accepted").booleanValue()
-                ? new ActResult(id, true, OptionalLong.of(message.required("frame").longValue()), Optional.empty(),
-                        Optional.empty())
+                ? new ActResult(id, true, OptionalLong.of(message.required("frame").longValue()),
+                        Optional.empty(), Optional.empty())
                 : new ActResult(id, false, OptionalLong.empty(), Optional.of(text(message, "code")),
                         Optional.of(text(message, "reason")));
     }
@@ -267,20 +290,30 @@ final class Protocol {
     private static Perception.Item item(JsonNode item) {
         Update.Change change = change(item);
         return new Perception.Item(change.name(), change.location(),
-                change.orientation().orElse(Perception.Orientation.NONE), change.symbols().orElse(Map.of()),
-                change.actions().orElse(Map.of()), change.needs().orElse(Map.of()),
+                change.orientation().orElse(Perception.Orientation.NONE),
+                change.symbols().orElse(Map.of()), change.actions().orElse(Map.of()),
+                change.needs().orElse(Map.of()),
                 list(item.path("capabilities"), JsonNode::stringValue));
     }
 
     private static Update.Change change(JsonNode item) {
         return new Update.Change(text(item, "name"),
-                item.optional("location").map(at -> new Perception.Location(number(at, 0), number(at, 1),
-                        number(at, 2))),
-                item.optional("orientation").map(turn -> new Perception.Orientation(number(turn, 0), number(turn, 1),
-                        number(turn, 2), number(turn, 3))),
-                item.optional("symbols").map(symbols -> map(symbols, Protocol::value)),
-                item.optional("actions").map(actions -> map(actions, action -> map(action, Protocol::parameter))),
-                item.optional("needs").map(needs -> map(needs, names -> list(names, JsonNode::stringValue))));
+                item.optional("location").map(Protocol::location),
+                item.optional("orientation").map(Protocol::orientation),
+                item.optional("symbols").map(all -> map(all, Protocol::value)),
+                item.optional("actions").map(all ->
+                        map(all, action -> map(action, Protocol::parameter))),
+                item.optional("needs").map(all ->
+                        map(all, names -> list(names, JsonNode::stringValue))));
+    }
+
+    private static Perception.Location location(JsonNode at) {
+        return new Perception.Location(number(at, 0), number(at, 1), number(at, 2));
+    }
+
+    private static Perception.Orientation orientation(JsonNode turn) {
+        return new Perception.Orientation(number(turn, 0), number(turn, 1), number(turn, 2),
+                number(turn, 3));
     }
 
     private static double number(JsonNode list, int index) {
@@ -312,7 +345,8 @@ final class Protocol {
         if (value.isBoolean()) {
             return value.booleanValue();
         }
-        return value.isArray() ? value.valueStream().map(Protocol::value).toList() : value.stringValue();
+        return value.isArray() ? value.valueStream().map(Protocol::value).toList()
+                : value.stringValue();
     }
 
     private static OptionalLong id(JsonNode message) {

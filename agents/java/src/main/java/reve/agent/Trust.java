@@ -35,7 +35,8 @@ public final class Trust {
         try (InputStream in = Files.newInputStream(file)) {
             var store = KeyStore.getInstance("PKCS12");
             store.load(null, null);
-            for (Certificate certificate : CertificateFactory.getInstance("X.509").generateCertificates(in)) {
+            for (Certificate certificate : CertificateFactory.getInstance("X.509")
+                    .generateCertificates(in)) {
                 store.setCertificateEntry("trusted " + store.size(), certificate);
             }
             if (store.size() == 0) {

@@ -16,14 +16,15 @@ record Update(OptionalLong id, long frame, double time, long since, List<String>
         List<Perception.Item> entered, List<Change> changed) implements ServerMessage {
 
     /** What is new about an item; empty for what is as before. */
-    record Change(String name, Optional<Perception.Location> location, Optional<Perception.Orientation> orientation,
-            Optional<Map<String, Object>> symbols,
+    record Change(String name, Optional<Perception.Location> location,
+            Optional<Perception.Orientation> orientation, Optional<Map<String, Object>> symbols,
             Optional<Map<String, Map<String, Perception.Parameter>>> actions,
             Optional<Map<String, List<String>>> needs) {
 
         Perception.Item applyTo(Perception.Item item) {
-            return new Perception.Item(name, location.or(item::location), orientation.orElse(item.orientation()),
-                    symbols.orElse(item.symbols()), actions.orElse(item.actions()), needs.orElse(item.needs()),
+            return new Perception.Item(name, location.or(item::location),
+                    orientation.orElse(item.orientation()), symbols.orElse(item.symbols()),
+                    actions.orElse(item.actions()), needs.orElse(item.needs()),
                     item.capabilities());
         }
     }

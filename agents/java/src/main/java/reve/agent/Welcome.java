@@ -15,20 +15,26 @@ import java.util.OptionalLong;
  * @param session given to who asked for grace
  * @param resumed true if a session goes on after its connection broke
  */
-public record Welcome(OptionalLong id, int protocol, String role, String agent, Optional<String> body, String world,
-        long frame, int rate, String encoding, Optional<LockStep> lockStep, Optional<Ticket> session,
-        boolean resumed, Limits limits) implements ServerMessage {
+public record Welcome(OptionalLong id, int protocol, String role, String agent,
+        Optional<String> body, String world, long frame, int rate, String encoding,
+        Optional<LockStep> lockStep, Optional<Ticket> session, boolean resumed, Limits limits)
+        implements ServerMessage {
 
-    /** With the token another connection goes on with the session, that long [s] after the first broke. */
+    /**
+     * With the token another connection goes on with the session, that long [s] after the first
+     * broke.
+     */
     public record Ticket(String token, double graceSeconds) {}
 
     /**
      * What the server takes from an agent.
      *
      * @param lineBytes longest line
-     * @param messagesPerSecond most messages in a second, or in one of the world's if that goes faster
+     * @param messagesPerSecond most messages in a second, or in one of the world's if that goes
+     *     faster
      * @param actsInFlight most commands that may wait for their result
-     * @param idleSeconds silence after which it asks whether the agent is still there; the client answers by itself
+     * @param idleSeconds silence after which it asks whether the agent is still there; the client
+     *     answers by itself
      * @param graceSeconds the most that one can ask for
      */
     public record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,

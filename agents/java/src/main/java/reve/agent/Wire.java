@@ -56,8 +56,8 @@ final class Wire implements Closeable {
             return new Opened(wire, welcome);
         } catch (SSLException e) {
             socket.close();
-            throw new DisconnectedException("tls-failed", e.getMessage(),
-                    Optional.of("does the server speak TLS, and is its certificate one that you trust?"));
+            throw new DisconnectedException("tls-failed", e.getMessage(), Optional.of(
+                    "does the server speak TLS, and is its certificate one that you trust?"));
         } catch (IOException | RuntimeException e) {
             socket.close();
             throw e;
@@ -70,8 +70,10 @@ final class Wire implements Closeable {
     }
 
     /** Shakes hands, and makes sure that the server is the one at that address. */
-    private static Socket secure(Socket socket, String host, SSLContext trusted) throws IOException {
-        var secure = (SSLSocket) trusted.getSocketFactory().createSocket(socket, host, socket.getPort(), true);
+    private static Socket secure(Socket socket, String host, SSLContext trusted)
+            throws IOException {
+        var secure = (SSLSocket) trusted.getSocketFactory()
+                .createSocket(socket, host, socket.getPort(), true);
         SSLParameters parameters = secure.getSSLParameters();
         parameters.setEndpointIdentificationAlgorithm("HTTPS");
         secure.setSSLParameters(parameters);
@@ -136,6 +138,7 @@ final class Wire implements Closeable {
     }
 
     static byte[] encode(ObjectNode message, Encoding encoding) {
-        return encoding == Encoding.JSON ? (message + "\n").getBytes(StandardCharsets.UTF_8) : Packed.write(message);
+        return encoding == Encoding.JSON ? (message + "\n").getBytes(StandardCharsets.UTF_8)
+                : Packed.write(message);
     }
 }

@@ -7,4 +7,5 @@ import java.util.Map;
  *
  * @param fields String, Double or Boolean by name
  */
-public record WorldEvent(long frame, String type, Map<String, Object> fields) implements ServerMessage {}
+public record WorldEvent(long frame, String type, Map<String, Object> fields)
+        implements ServerMessage {}

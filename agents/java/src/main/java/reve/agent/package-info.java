@@ -1,6 +1,7 @@
 /**
- * Agents in Java: {@link reve.agent.AgentClient} joins a REVE world over TCP, perceives and acts. It needs Jackson
- * and nothing of the server. The protocol is described in agents/protocol/PROTOCOL.md.
+ * Agents in Java: {@link reve.agent.AgentClient} joins a REVE world over TCP, perceives and acts.
+ * It needs Jackson and nothing of the server. The protocol is described in
+ * agents/protocol/PROTOCOL.md.
  */
 @NullMarked
 package reve.agent;

@@ -41,7 +41,8 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
             Changes.requireCompatible(name, effects);
             changes = Changes.prepare(call, effects);
         } catch (RuntimeException | LinkageError | StackOverflowError failed) {
-            throw new ActionRefused("action-failed", "action " + provider.name() + " failed", failed);
+            throw new ActionRefused("action-failed", "action " + provider.name() + " failed",
+                    failed);
         }
         changes.make();
     }

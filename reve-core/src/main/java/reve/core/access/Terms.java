@@ -49,7 +49,8 @@ public record Terms(List<String> needs, List<Expression> conditions) {
                     + call.target().name() + " needs the capability " + quoted(lacks) + "; "
                     + actor.name() + " has "
                     + (has.isEmpty() ? "none" : "only " + quoted(has))
-                    + (has.containsAll(actor.access().capabilities()) ? "" : " by this agent's token"));
+                    + (has.containsAll(actor.access().capabilities())
+                            ? "" : " by this agent's token"));
         }
     }
 

@@ -12,8 +12,8 @@ import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
 /**
- * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes around
- * the item's own box, turned and placed. The only writer of these columns. World's thread.
+ * Keeps {@code boundsMin} and {@code boundsMax} of all bodies: the box along the world's axes
+ * around the item's own box, turned and placed. The only writer of these columns. World's thread.
  *
  * <p>Works on plain arrays, a few hundred rows at a time: columns are copied in and out in bulk,
  * which compilers make fast whatever else the program does.
@@ -66,7 +66,8 @@ public final class BoundingBoxes {
     /** Reads numbers of a column of the prototype's real type. */
     private void read(Column column, int first, double[] into, int count) {
         if (column.type() == ScalarType.F64) {
-            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE, 8L * first, into, 0, count);
+            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE, 8L * first, into, 0,
+                    count);
             return;
         }
         MemorySegment.copy(column.segment(), ValueLayout.JAVA_FLOAT, 4L * first, singles, 0, count);
@@ -85,12 +86,17 @@ public final class BoundingBoxes {
         double a = half[at];
         double b = half[at + 1];
         double c = half[at + 2];
-        turn(at, 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w), a, b, c, mesh);
-        turn(at + 1, 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w), a, b, c, mesh);
-        turn(at + 2, 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y), a, b, c, mesh);
+        turn(at, 1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w),
+                a, b, c, mesh);
+        turn(at + 1, 2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w),
+                a, b, c, mesh);
+        turn(at + 2, 2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y),
+                a, b, c, mesh);
     }
 
-    /** One axis of the world: (x, y, z) is its row of the rotation matrix, (a, b, c) the own half. */
+    /**
+     * One axis of the world: (x, y, z) is its row of the rotation matrix, (a, b, c) the own half.
+     */
     private void turn(int at, double x, double y, double z, double a, double b, double c,
             @Nullable Mesh mesh) {
         half[at] = Math.abs(x) * a + Math.abs(y) * b + Math.abs(z) * c;

@@ -443,8 +443,9 @@ final class ItemReader {
             return refuse(reference, "`" + name + "` is a " + entry.kind + ", expected a "
                     + reference.kind);
         }
-        return !reference.needsPhysics || entry.hasPhysics || refuse(reference, "`" + name
-                + "` has no `physics`, so nothing can hold on to it; mass 0 makes a body immovable");
+        return !reference.needsPhysics || entry.hasPhysics
+                || refuse(reference, "`" + name + "` has no `physics`, so nothing can hold on to "
+                        + "it; mass 0 makes a body immovable");
     }
 
     private boolean refuse(Reference reference, String reason) {

@@ -63,7 +63,9 @@ final class PhysicsReader {
         });
     }
 
-    /** What mass and inertia follow from; a world that declares a property `density` has its own. */
+    /**
+     * What mass and inertia follow from; a world that declares a property `density` has its own.
+     */
     Optional<Node> density(Node aspect, String kind) {
         return aspect.get("density").filter(value -> isDensity(value, kind));
     }

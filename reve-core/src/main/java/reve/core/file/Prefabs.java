@@ -22,7 +22,8 @@ final class Prefabs {
      * @param prefabs mappings under their names; of several with one name, the first counts
      * @param values how many may come of laying items over prefabs
      */
-    Prefabs(List<Node> prefabs, Problems problems, Expansion.Room values) throws WorldFileException {
+    Prefabs(List<Node> prefabs, Problems problems, Expansion.Room values)
+            throws WorldFileException {
         this.problems = problems;
         this.values = values;
         for (Node prefab : prefabs) {

@@ -123,8 +123,8 @@ final class SchemaCheck {
                     + " characters, expected at most " + rule;
             case "minItems", "minProperties" -> "found " + node.describe()
                     + ", expected at least " + rule + " in it";
-            case "maxItems", "maxProperties" -> "found " + node.describe() + ", expected at most " + rule
-                    + " in it";
+            case "maxItems", "maxProperties" -> "found " + node.describe() + ", expected at most "
+                    + rule + " in it";
             default -> error.getMessage();
         };
     }

@@ -14,9 +14,9 @@ import reve.core.world.SymbolDescriptor;
 import reve.core.world.WorldPrototype;
 
 /**
- * Worlds as text of one world file: the same text for the same world, and reading it gives the world
- * back to the bit. Prefabs, repetitions and included files are written out; models and images stay
- * files of their own.
+ * Worlds as text of one world file: the same text for the same world, and reading it gives the
+ * world back to the bit. Prefabs, repetitions and included files are written out; models and images
+ * stay files of their own.
  */
 public final class WorldWriter {
     /** As the schema says. */

@@ -171,7 +171,8 @@ final class YamlReader {
         } else {
             Node node = place(scalar, scalar.isPlain() ? resolve(scalar) : text);
             if (!scalar.isPlain()) {
-                node.setTextColumn(scalar.isSQuoted() || scalar.isDQuoted() ? node.column() + 1 : -1);
+                boolean quoted = scalar.isSQuoted() || scalar.isDQuoted();
+                node.setTextColumn(quoted ? node.column() + 1 : -1);
             }
         }
     }

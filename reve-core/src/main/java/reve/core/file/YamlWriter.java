@@ -24,9 +24,9 @@ import org.snakeyaml.engine.v2.resolver.CoreScalarResolver;
 import org.snakeyaml.engine.v2.resolver.ScalarResolver;
 
 /**
- * Mappings, lists, texts, numbers and truth values to YAML that {@link YamlReader} reads back to the
- * bit: always the same text for the same values. What holds a mapping stands on lines of its own,
- * anything else on one line.
+ * Mappings, lists, texts, numbers and truth values to YAML that {@link YamlReader} reads back to
+ * the bit: always the same text for the same values. What holds a mapping stands on lines of its
+ * own, anything else on one line.
  */
 final class YamlWriter {
     private static final int WIDTH = 100;

@@ -30,8 +30,8 @@ public interface FrameGate {
     long nanosecondsToWait(long frame, long nowNanoseconds);
 
     /**
-     * Lets the loop's thread wait, for about that long [ns] or until {@link #wake}. A gate that opens
-     * by what this thread could do meanwhile may have it do that.
+     * Lets the loop's thread wait, for about that long [ns] or until {@link #wake}. A gate that
+     * opens by what this thread could do meanwhile may have it do that.
      *
      * @param clock the loop's own
      */

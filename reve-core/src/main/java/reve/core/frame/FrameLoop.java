@@ -104,7 +104,8 @@ public final class FrameLoop {
         }
         if (frame < frame()) {
             throw new IllegalArgumentException(
-                    "frame is " + frame + ", expected " + frame() + " or more: frames never go back");
+                    "frame is " + frame + ", expected " + frame()
+                    + " or more: frames never go back");
         }
         frames.setRelease(frame);
         begunFrame.set(frame);

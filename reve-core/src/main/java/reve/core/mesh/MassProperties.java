@@ -22,12 +22,13 @@ public record MassProperties(double volume, double mass, double[] centre, double
      * Of a solid with that form.
      *
      * @param density [kg/m^3], positive
-     * @throws IllegalArgumentException if the form encloses no space: a plane, or a mesh that is not
-     *     closed, whose open edge is named, or whose triangles do not all face outward
+     * @throws IllegalArgumentException if the form encloses no space: a plane, or a mesh that is
+     *     not closed, whose open edge is named, or whose triangles do not all face outward
      */
     public static MassProperties of(Shape shape, double density) {
         return switch (shape) {
-            case Shape.None none -> throw new IllegalArgumentException("without a shape it has no volume");
+            case Shape.None none ->
+                    throw new IllegalArgumentException("without a shape it has no volume");
             case Shape.Plane plane -> throw new IllegalArgumentException("a plane has no volume");
             case Shape.Sphere sphere -> sphere(sphere.radius(), density);
             case Shape.Box box -> box(box.x(), box.y(), box.z(), density);

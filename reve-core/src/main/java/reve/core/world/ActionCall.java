@@ -16,7 +16,8 @@ public record ActionCall(World world, long frame, Item target, Optional<Item> ac
         Arguments arguments, List<String> capabilities) {
 
     /** With all capabilities that the actor has. */
-    public ActionCall(World world, long frame, Item target, Optional<Item> actor, Arguments arguments) {
+    public ActionCall(World world, long frame, Item target, Optional<Item> actor,
+            Arguments arguments) {
         this(world, frame, target, actor, arguments,
                 actor.map(item -> item.access().capabilities()).orElse(List.of()));
     }

@@ -326,7 +326,10 @@ public final class ItemDefinition {
             return this;
         }
 
-        /** How an agent that has the item as its body perceives; without any it perceives everything. */
+        /**
+         * How an agent that has the item as its body perceives; without any it perceives
+         * everything.
+         */
         public Builder sensor(Sensor sensor) {
             if (sensors.stream().anyMatch(other -> other.name().equals(sensor.name()))) {
                 throw new IllegalArgumentException(

@@ -74,7 +74,8 @@ public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String
     public Optional<Object> get(String symbol) {
         return switch (symbol) {
             case NAME -> Optional.of(name);
-            case DIMENSIONS -> shape() == Shape.none() ? Optional.empty() : Optional.of(dimensions());
+            case DIMENSIONS -> shape() == Shape.none() ? Optional.empty()
+                    : Optional.of(dimensions());
             case CLASS -> Optional.of(given.getOrDefault(CLASS, kind()));
             default -> Optional.ofNullable(given.getOrDefault(symbol, derived.get(symbol)));
         };

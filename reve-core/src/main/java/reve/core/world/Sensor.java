@@ -7,24 +7,26 @@ import java.util.SortedSet;
 import java.util.TreeSet;
 
 /**
- * What an agent perceives through its body. A body with sensors perceives nothing but what one of them senses.
+ * What an agent perceives through its body. A body with sensors perceives nothing but what one of
+ * them senses.
  *
  * <p>A camera senses no items: its agent is sent pictures when it asks to look.
  *
  * @param name unique among the sensors of a body
- * @param touch true if it senses what the body's bounding box comes as close to as the range; else it looks
- *     from the body's origin along its own +Z axis, the front of a glTF model
+ * @param touch true if it senses what the body's bounding box comes as close to as the range; else
+ *     it looks from the body's origin along its own +Z axis, the front of a glTF model
  * @param range how far it reaches [m], infinite for everything
- * @param fieldOfView full angle of the cone in which it sees [rad], 2π for all round; of a camera the
- *     vertical angle of its picture, at most {@link #WIDEST_CAMERA}
+ * @param fieldOfView full angle of the cone in which it sees [rad], 2π for all round; of a camera
+ *     the vertical angle of its picture, at most {@link #WIDEST_CAMERA}
  * @param lineOfSight true if what is behind the bounding box of another item is hidden
  * @param every it senses every that many frames; in between the agent keeps what it knows
  * @param symbols which symbols it perceives; empty for all
  * @param aspects what it perceives of an item beside its name
  * @param camera what its pictures are like, if it is a camera
  */
-public record Sensor(String name, boolean touch, double range, double fieldOfView, boolean lineOfSight, int every,
-        Optional<SortedSet<String>> symbols, Set<Aspect> aspects, Optional<Camera> camera) {
+public record Sensor(String name, boolean touch, double range, double fieldOfView,
+        boolean lineOfSight, int every, Optional<SortedSet<String>> symbols, Set<Aspect> aspects,
+        Optional<Camera> camera) {
 
     public static final double ALL_ROUND = 2 * Math.PI;
     /** The gap at which boxes count as touching, unless a sensor says otherwise [m]. */
@@ -48,7 +50,8 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
         public Camera {
             if (width < 1 || height < 1 || (long) width * height > MAX_PIXELS) {
                 throw new IllegalArgumentException("camera: " + width + " x " + height
-                        + " pixels, expected 1 or more a side and at most " + MAX_PIXELS + " in all");
+                        + " pixels, expected 1 or more a side and at most " + MAX_PIXELS
+                        + " in all");
             }
             layers = EnumSet.copyOf(layers);
         }
@@ -101,8 +104,8 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
 
     /** Sees everything all round, as far as it reaches. */
     public static Sensor sight(String name, double range) {
-        return new Sensor(name, false, range, ALL_ROUND, false, 1, Optional.empty(), EnumSet.allOf(Aspect.class),
-                Optional.empty());
+        return new Sensor(name, false, range, ALL_ROUND, false, 1, Optional.empty(),
+                EnumSet.allOf(Aspect.class), Optional.empty());
     }
 
     /** Feels everything that the body touches. */
@@ -113,17 +116,19 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
 
     /** Takes pictures. @param fieldOfView vertical angle of them [rad] */
     public static Sensor camera(String name, double fieldOfView, Camera pictures) {
-        return new Sensor(name, false, Double.POSITIVE_INFINITY, fieldOfView, false, 1, Optional.empty(), Set.of(),
-                Optional.of(pictures));
+        return new Sensor(name, false, Double.POSITIVE_INFINITY, fieldOfView, false, 1,
+                Optional.empty(), Set.of(), Optional.of(pictures));
     }
 
     /** The same, as far as that [m]. */
     public Sensor withRange(double metres) {
-        return new Sensor(name, touch, metres, fieldOfView, lineOfSight, every, symbols, aspects, camera);
+        return new Sensor(name, touch, metres, fieldOfView, lineOfSight, every, symbols, aspects,
+                camera);
     }
 
     public Sensor withFieldOfView(double radians) {
-        return new Sensor(name, touch, range, radians, lineOfSight, every, symbols, aspects, camera);
+        return new Sensor(name, touch, range, radians, lineOfSight, every, symbols, aspects,
+                camera);
     }
 
     public Sensor withLineOfSight() {
@@ -131,16 +136,18 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
     }
 
     public Sensor withEvery(int frames) {
-        return new Sensor(name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects, camera);
+        return new Sensor(name, touch, range, fieldOfView, lineOfSight, frames, symbols, aspects,
+                camera);
     }
 
     public Sensor withSymbols(Set<String> names) {
-        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every, Optional.of(new TreeSet<>(names)),
-                aspects, camera);
+        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every,
+                Optional.of(new TreeSet<>(names)), aspects, camera);
     }
 
     public Sensor withAspects(Set<Aspect> some) {
-        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every, symbols, some, camera);
+        return new Sensor(name, touch, range, fieldOfView, lineOfSight, every, symbols, some,
+                camera);
     }
 
     /** True if it takes pictures, and senses no items. */
@@ -150,6 +157,7 @@ public record Sensor(String name, boolean touch, double range, double fieldOfVie
 
     /** True if it also senses what has no place, such as a spring. */
     public boolean isUnlimited() {
-        return !isCamera() && !touch && range == Double.POSITIVE_INFINITY && fieldOfView == ALL_ROUND && !lineOfSight;
+        return !isCamera() && !touch && range == Double.POSITIVE_INFINITY
+                && fieldOfView == ALL_ROUND && !lineOfSight;
     }
 }

@@ -74,7 +74,9 @@ public final class World {
         return guard;
     }
 
-    /** Frames of simulated time that the world has behind it; with an older image they come back. */
+    /**
+     * Frames of simulated time that the world has behind it; with an older image they come back.
+     */
     public long age() {
         guard.checkOwner();
         return age;

@@ -24,8 +24,9 @@ import reve.agent.Trust;
 /** Says one command of the role control to a running server. */
 @Command(
         name = "control",
-        description = "Says a command to a running world: pause, step, run, snapshot, rewind, save, edit, "
-                + "load-law, unload-law, picture, shut-down. For example: control rewind image=calm, "
+        description = "Says a command to a running world: pause, step, run, snapshot, rewind, "
+                + "save, edit, load-law, unload-law, picture, shut-down. For example: "
+                + "control rewind image=calm, "
                 + "control edit item=blue property=physics.velocity value=0,3,0.")
 public final class ControlCommand implements Callable<Integer> {
     private static final String TOKEN = "REVE_TOKEN";
@@ -33,7 +34,8 @@ public final class ControlCommand implements Callable<Integer> {
     @Spec
     private CommandSpec spec = CommandSpec.create();
 
-    @Parameters(index = "0", paramLabel = "COMMAND", description = "As in agents/protocol/PROTOCOL.md.")
+    @Parameters(index = "0", paramLabel = "COMMAND",
+            description = "As in agents/protocol/PROTOCOL.md.")
     private String command = "";
 
     @Parameters(index = "1..*", paramLabel = "FIELD=VALUE",
@@ -48,15 +50,18 @@ public final class ControlCommand implements Callable<Integer> {
             description = "Its port for agents (default: ${DEFAULT-VALUE}).")
     private int port;
 
-    @Option(names = "--world", paramLabel = "NAME", description = "Which world, if the server has several.")
+    @Option(names = "--world", paramLabel = "NAME",
+            description = "Which world, if the server has several.")
     private Optional<String> world = Optional.empty();
 
     @Option(names = "--name", paramLabel = "NAME", defaultValue = "control",
-            description = "Who says it (default: ${DEFAULT-VALUE}). A token is taken from " + TOKEN + ".")
+            description = "Who says it (default: ${DEFAULT-VALUE}). "
+                    + "A token is taken from " + TOKEN + ".")
     private String name = "";
 
     @Option(names = "--tls-trust", paramLabel = "FILE",
-            description = "Speak TLS, with a server that a certificate in this file (PEM) vouches for.")
+            description = "Speak TLS, with a server that a certificate in this file (PEM) "
+                    + "vouches for.")
     private Optional<Path> trust = Optional.empty();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")

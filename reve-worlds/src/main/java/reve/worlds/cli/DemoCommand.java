@@ -13,12 +13,14 @@ import reve.worlds.demo.DemoReport;
 /** Shows the main job: server, agents, a law dropped into the running world, pictures. */
 @Command(
         name = "demo",
-        description = "Shows the main job: a server, two agents, a law dropped into the running world, pictures.")
+        description = "Shows the main job: a server, two agents, a law dropped into the running "
+                + "world, pictures.")
 public final class DemoCommand implements Callable<Integer> {
     @Spec
     private CommandSpec spec = CommandSpec.create();
 
-    @Option(names = "--out", paramLabel = "DIR", description = "Folder for pictures and logs (default: build/demo).")
+    @Option(names = "--out", paramLabel = "DIR",
+            description = "Folder for pictures and logs (default: build/demo).")
     private Path out = Path.of(System.getProperty("reve.root", "."), "build", "demo");
 
     @Option(names = "--json", description = "Print the result as one JSON document.")

@@ -9,7 +9,9 @@ import reve.core.frame.Timing;
 final class Frames {
     private Frames() {}
 
-    /** The frame nearest to a time [s]; refuses what is negative, not finite, or beyond 2^53 frames. */
+    /**
+     * The frame nearest to a time [s]; refuses what is negative, not finite, or beyond 2^53 frames.
+     */
     static long of(CommandSpec spec, String option, double seconds, Timing timing) {
         double frames = seconds * timing.framesPerSecond();
         if (!(frames >= 0 && frames < 0x1p53)) {

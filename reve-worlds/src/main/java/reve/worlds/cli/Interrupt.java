@@ -4,9 +4,9 @@ import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
 
 /**
- * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as usual,
- * and the process exits with 0. Open around the run and its report; close is called by the command's
- * own thread when the report is out.
+ * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as
+ * usual, and the process exits with 0. Open around the run and its report; close is called by the
+ * command's own thread when the report is out.
  */
 final class Interrupt implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 10;

@@ -13,7 +13,9 @@ import java.util.function.Function;
 import java.util.function.ToDoubleFunction;
 import reve.pe.LedgerLine;
 
-/** The ledger of a run as a table for people, and as JSON: what {@code vesper run --ledger} prints. */
+/**
+ * The ledger of a run as a table for people, and as JSON: what {@code vesper run --ledger} prints.
+ */
 final class LedgerReport {
     /** Parts of the largest number of a column that are rounding of the sums. */
     private static final double ROUNDING = 1e-12;
@@ -66,7 +68,8 @@ final class LedgerReport {
         fields.put("energy", line.energy());
         if (line.hasPotentialEnergy()) {
             fields.put("potentialEnergy",
-                    Map.of("initial", line.initialPotentialEnergy(), "present", line.potentialEnergy()));
+                    Map.of("initial", line.initialPotentialEnergy(),
+                            "present", line.potentialEnergy()));
         }
         return fields;
     }
@@ -74,13 +77,15 @@ final class LedgerReport {
     private List<String> vectors(String head, Function<LedgerLine, List<Double>> vector) {
         double largest = largest(lines, line -> length(vector.apply(line)));
         return marked(head, line -> length(vector.apply(line)), line -> {
-            List<String> numbers = vector.apply(line).stream().map(value -> number(value, largest)).toList();
+            List<String> numbers = vector.apply(line).stream().map(value -> number(value, largest))
+                    .toList();
             return "(" + String.join(" ", numbers) + ")";
         });
     }
 
     /** Cells behind a star where a law's size is the largest of all laws, and no rounding. */
-    private List<String> marked(String head, ToDoubleFunction<LedgerLine> size, Function<LedgerLine, String> cell) {
+    private List<String> marked(String head, ToDoubleFunction<LedgerLine> size,
+            Function<LedgerLine, String> cell) {
         double largest = largest(lines, size);
         double largestOfLaws = largest(lines.stream().filter(LedgerLine::law).toList(), size);
         return column(head, line -> {
@@ -106,7 +111,8 @@ final class LedgerReport {
     }
 
     private static boolean isEmpty(LedgerLine line) {
-        return length(line.momentum()) == 0 && length(line.angularMomentum()) == 0 && line.energy() == 0;
+        return length(line.momentum()) == 0 && length(line.angularMomentum()) == 0
+                && line.energy() == 0;
     }
 
     private static double length(List<Double> v) {
@@ -126,6 +132,7 @@ final class LedgerReport {
         if (exponent >= -4 && exponent < DIGITS.getPrecision()) {
             return digits.toPlainString();
         }
-        return String.format(Locale.ROOT, "%se%+03d", digits.movePointLeft(exponent).toPlainString(), exponent);
+        return String.format(Locale.ROOT, "%se%+03d",
+                digits.movePointLeft(exponent).toPlainString(), exponent);
     }
 }

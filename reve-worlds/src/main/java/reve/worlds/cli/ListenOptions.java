@@ -29,7 +29,8 @@ final class ListenOptions {
     private int port;
 
     @Option(names = "--listen", paramLabel = "ADDRESS", defaultValue = "127.0.0.1",
-            description = "Address for agents (default: ${DEFAULT-VALUE}). Any but loopback takes tokens and TLS.")
+            description = "Address for agents (default: ${DEFAULT-VALUE}). "
+                    + "Any but loopback takes tokens and TLS.")
     private String address = "";
 
     @Option(names = "--tokens", paramLabel = "FILE",
@@ -40,7 +41,8 @@ final class ListenOptions {
             description = "Speak TLS, with this certificate (PEM, with those that vouch for it).")
     private Optional<Path> certificate = Optional.empty();
 
-    @Option(names = "--tls-key", paramLabel = "FILE", description = "The certificate's private key (PEM).")
+    @Option(names = "--tls-key", paramLabel = "FILE",
+            description = "The certificate's private key (PEM).")
     private Optional<Path> key = Optional.empty();
 
     /**
@@ -62,17 +64,21 @@ final class ListenOptions {
         var listen = new InetSocketAddress(address, port);
         if (listen.isUnresolved()) {
             throw new ParameterException(spec.commandLine(),
-                    "--listen " + address + ": there is no such address; expected 127.0.0.1, 0.0.0.0, or a name");
+                    "--listen " + address
+                    + ": there is no such address; expected 127.0.0.1, 0.0.0.0, or a name");
         }
-        if (!listen.getAddress().isLoopbackAddress() && (tokens.isEmpty() || certificate.isEmpty())) {
+        if (!listen.getAddress().isLoopbackAddress()
+                && (tokens.isEmpty() || certificate.isEmpty())) {
             throw new BindException(howToListen());
         }
         return AgentServerConfig.on(listen, security());
     }
 
     private AgentSecurity security() throws IOException {
-        return new AgentSecurity(tokens.isPresent() ? Optional.of(TokenFile.open(tokens.get())) : Optional.empty(),
-                certificate.isPresent() ? Optional.of(ServerTls.of(certificate.get(), key.orElseThrow()))
+        return new AgentSecurity(
+                tokens.isPresent() ? Optional.of(TokenFile.open(tokens.get())) : Optional.empty(),
+                certificate.isPresent()
+                        ? Optional.of(ServerTls.of(certificate.get(), key.orElseThrow()))
                         : Optional.empty());
     }
 
@@ -83,11 +89,13 @@ final class ListenOptions {
             how.append("\n  ./reve token new NAME --file tokens.json");
         }
         if (certificate.isEmpty()) {
-            how.append("\n  openssl req -x509 -nodes -newkey ec -pkeyopt ec_paramgen_curve:P-256 -days 365"
-                    + " -subj /CN=HOST -addext subjectAltName=DNS:HOST -keyout server.key -out server.crt");
+            how.append("\n  openssl req -x509 -nodes -newkey ec")
+                    .append(" -pkeyopt ec_paramgen_curve:P-256 -days 365 -subj /CN=HOST")
+                    .append(" -addext subjectAltName=DNS:HOST -keyout server.key -out server.crt");
         }
         return how.append("\nand add").append(tokens.isEmpty() ? " --tokens tokens.json" : "")
-                .append(certificate.isEmpty() ? " --tls-certificate server.crt --tls-key server.key" : "")
+                .append(certificate.isEmpty()
+                        ? " --tls-certificate server.crt --tls-key server.key" : "")
                 .append("\n(NAME: the agent's; HOST: what agents call this machine).").toString();
     }
 }

@@ -4,8 +4,8 @@ import java.io.PrintStream;
 import java.time.Duration;
 
 /**
- * Says on standard error what is going on, if that takes longer than two seconds and has no progress
- * to show. Open around the work; used by one thread.
+ * Says on standard error what is going on, if that takes longer than two seconds and has no
+ * progress to show. Open around the work; used by one thread.
  */
 final class Patience implements AutoCloseable {
     private static final Duration UNTIL_TOLD = Duration.ofSeconds(2);

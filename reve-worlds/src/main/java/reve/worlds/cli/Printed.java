@@ -8,7 +8,8 @@ enum Printed {
     LITTLE {
         @Override
         boolean includes(String event) {
-            return event.equals("ready") || event.equals("fault") || event.equals("snapshot-failed");
+            return event.equals("ready") || event.equals("fault")
+                    || event.equals("snapshot-failed");
         }
     },
     /** What happens now and then: nothing that agents bring about in every frame. */

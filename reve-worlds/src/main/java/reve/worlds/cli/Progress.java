@@ -34,9 +34,11 @@ final class Progress {
         nextNanos = now + EVERY_NANOS;
         shown = true;
         double factor = worldSeconds / ((now - startNanos) * 1e-9);
-        String part = total == 0 ? "" : String.format(Locale.ROOT, " of %d (%d %%)", total, 100 * frame / total);
+        String part = total == 0 ? "" : String.format(Locale.ROOT, " of %d (%d %%)", total,
+                100 * frame / total);
         String line = String.format(
-                Locale.ROOT, "frame %d%s, %.2f s of world time, %.2f x real time", frame, part, worldSeconds, factor);
+                Locale.ROOT, "frame %d%s, %.2f s of world time, %.2f x real time", frame, part,
+                worldSeconds, factor);
         out.print(terminal ? "\r" + line + "   " : line + System.lineSeparator());
         out.flush();
     }

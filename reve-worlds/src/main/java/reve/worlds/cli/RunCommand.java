@@ -21,7 +21,8 @@ import reve.worlds.server.RunReport;
 import reve.worlds.server.Simulation;
 
 /** Runs a world without a server and says what came out. */
-@Command(name = "run", description = "Runs a world for some time, without a server, as fast as it goes.")
+@Command(name = "run",
+        description = "Runs a world for some time, without a server, as fast as it goes.")
 public final class RunCommand implements Callable<Integer> {
     @Spec
     private CommandSpec spec = CommandSpec.create();

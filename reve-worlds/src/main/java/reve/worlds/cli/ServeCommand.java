@@ -32,7 +32,8 @@ import reve.worlds.server.WorldServer;
 /** Runs worlds that agents can join and laws can be dropped into, until Ctrl-C. */
 @Command(
         name = "serve",
-        description = "Runs worlds that agents can join and laws can be dropped into, until Ctrl-C.")
+        description = "Runs worlds that agents can join and laws can be dropped into, "
+                + "until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
     private static final double MIN_DEADLINE = 0.001;
     private static final double MAX_DEADLINE = 3600;
@@ -41,7 +42,8 @@ public final class ServeCommand implements Callable<Integer> {
     private CommandSpec spec = CommandSpec.create();
 
     @Parameters(paramLabel = "WORLD", arity = "1..*",
-            description = "World files, or folders that hold a world.yaml. Each world runs by itself.")
+            description = "World files, or folders that hold a world.yaml. "
+                    + "Each world runs by itself.")
     private List<Path> paths = new ArrayList<>();
 
     @Mixin
@@ -51,7 +53,8 @@ public final class ServeCommand implements Callable<Integer> {
             description = "Folder to watch: law libraries dropped here act, removed ones stop.")
     private Optional<Path> laws = Optional.empty();
 
-    @Option(names = "--seconds", paramLabel = "S", description = "Stop after this much world time [s].")
+    @Option(names = "--seconds", paramLabel = "S",
+            description = "Stop after this much world time [s].")
     private Optional<Double> seconds = Optional.empty();
 
     @Option(names = "--snapshots", paramLabel = "DIR", defaultValue = ".",
@@ -68,17 +71,18 @@ public final class ServeCommand implements Callable<Integer> {
     private Optional<Path> store = Optional.empty();
 
     @Option(names = "--store-every", paramLabel = "S", defaultValue = "10",
-            description = "World time between whole images in the store [s] (default: ${DEFAULT-VALUE}).")
+            description = "World time between whole images in the store [s] "
+                    + "(default: ${DEFAULT-VALUE}).")
     private double storeEvery;
 
     @Option(names = "--durability", paramLabel = "KIND", defaultValue = "normal",
-            description = "What the store survives: normal, the end of the process; full, of power too,"
-                    + " and the world waits for a slow disk as long as it takes.")
+            description = "What the store survives: normal, the end of the process; full, of "
+                    + "power too, and the world waits for a slow disk as long as it takes.")
     private SqliteStore.Durability durability = SqliteStore.Durability.NORMAL;
 
     @Option(names = "--record", paramLabel = "FILE",
-            description = "Record the run, for ./reve replay. Of several worlds: a folder, in which "
-                    + "each has WORLD.log.")
+            description = "Record the run, for ./reve replay. "
+                    + "Of several worlds: a folder, in which each has WORLD.log.")
     private Optional<Path> record = Optional.empty();
 
     @Option(names = "--saves", paramLabel = "DIR",
@@ -86,7 +90,8 @@ public final class ServeCommand implements Callable<Integer> {
     private Optional<Path> saves = Optional.empty();
 
     @Option(names = "--audit", paramLabel = "FILE",
-            description = "Append what each client is told, and when, as one JSON object per message.")
+            description = "Append what each client is told, and when, as one JSON object per "
+                    + "message.")
     private Optional<Path> audit = Optional.empty();
 
     @Option(names = "--deadline", paramLabel = "S", defaultValue = "10",
@@ -94,10 +99,12 @@ public final class ServeCommand implements Callable<Integer> {
                     + "(default: ${DEFAULT-VALUE}).")
     private double deadline;
 
-    @Option(names = "--fast", description = "As fast as it goes, instead of paced to the wall clock.")
+    @Option(names = "--fast",
+            description = "As fast as it goes, instead of paced to the wall clock.")
     private boolean fast;
 
-    @Option(names = "--json", description = "Report events as one JSON object per line on standard output.")
+    @Option(names = "--json",
+            description = "Report events as one JSON object per line on standard output.")
     private boolean json;
 
     @ArgGroup
@@ -105,11 +112,13 @@ public final class ServeCommand implements Callable<Integer> {
 
     /** At most one of them. */
     static final class PrintedOptions {
-        @Option(names = "--quiet", description = "Print only that worlds are ready, faults, and the end.")
+        @Option(names = "--quiet",
+                description = "Print only that worlds are ready, faults, and the end.")
         private boolean quiet;
 
         @Option(names = "--actions",
-                description = "Print each action of agents, too, and the events that actions raise.")
+                description = "Print each action of agents, too, and the events that actions "
+                        + "raise.")
         private boolean actions;
 
         Printed printed() {
@@ -151,7 +160,8 @@ public final class ServeCommand implements Callable<Integer> {
             WorldDescription description = world.load();
             if (plans.put(description.name(), plan(description, world.folder())) != null) {
                 throw new ParameterException(spec.commandLine(), "two worlds are called "
-                        + description.name() + ", expected different names: agents tell them apart by these");
+                        + description.name()
+                        + ", expected different names: agents tell them apart by these");
             }
         }
         return List.copyOf(plans.values());

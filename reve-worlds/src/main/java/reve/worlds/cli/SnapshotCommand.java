@@ -25,7 +25,8 @@ import reve.worlds.server.Pictures;
 import reve.worlds.server.Simulation;
 
 /** Runs a world up to some time and takes a picture of it. */
-@Command(name = "snapshot", description = "Runs a world up to a time and writes a picture of it, off-screen.")
+@Command(name = "snapshot",
+        description = "Runs a world up to a time and writes a picture of it, off-screen.")
 public final class SnapshotCommand implements Callable<Integer> {
     @Spec
     private CommandSpec spec = CommandSpec.create();
@@ -37,10 +38,12 @@ public final class SnapshotCommand implements Callable<Integer> {
             description = "World time of the picture [s] (default: ${DEFAULT-VALUE}).")
     private double at;
 
-    @Option(names = "--out", paramLabel = "FILE", required = true, description = "The PNG to write.")
+    @Option(names = "--out", paramLabel = "FILE", required = true,
+            description = "The PNG to write.")
     private Path out = Path.of("");
 
-    @Option(names = "--size", paramLabel = "WxH", defaultValue = "960x640", converter = SizeConverter.class,
+    @Option(names = "--size", paramLabel = "WxH", defaultValue = "960x640",
+            converter = SizeConverter.class,
             description = "Width and height [px] (default: ${DEFAULT-VALUE}).")
     private ImageFormat format = Pictures.DEFAULT_FORMAT;
 
@@ -53,9 +56,11 @@ public final class SnapshotCommand implements Callable<Integer> {
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--at", at, description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                Renderer renderer = new Renderer(Product.nativeFolder(), Renderer.DEFAULT_DEADLINE)) {
+                Renderer renderer = new Renderer(Product.nativeFolder(),
+                        Renderer.DEFAULT_DEADLINE)) {
             Progress progress = new Progress(System.err, frames);
-            simulation.onPublish("progress", event -> progress.at(event.frame(), event.timeSeconds()));
+            simulation.onPublish("progress",
+                    event -> progress.at(event.frame(), event.timeSeconds()));
             simulation.loop().run(frames);
             progress.done();
             double time;
@@ -93,10 +98,12 @@ public final class SnapshotCommand implements Callable<Integer> {
         public ImageFormat convert(String value) {
             Matcher size = SIZE.matcher(value);
             if (!size.matches()) {
-                throw new TypeConversionException("'" + value + "' is no size, expected e.g. 960x640");
+                throw new TypeConversionException("'" + value
+                        + "' is no size, expected e.g. 960x640");
             }
             try {
-                return ImageFormat.of(Integer.parseInt(size.group(1)), Integer.parseInt(size.group(2)));
+                return ImageFormat.of(Integer.parseInt(size.group(1)),
+                        Integer.parseInt(size.group(2)));
             } catch (IllegalArgumentException tooLarge) {
                 throw new TypeConversionException(tooLarge.getMessage());
             }

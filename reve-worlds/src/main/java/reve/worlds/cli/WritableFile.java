@@ -14,10 +14,12 @@ final class WritableFile {
         Path file = given.toAbsolutePath().normalize();
         if (file.getParent() == null || !Files.isDirectory(file.getParent())) {
             throw new ParameterException(spec.commandLine(),
-                    option + " " + given + ": there is no folder " + file.getParent() + "; make it first");
+                    option + " " + given + ": there is no folder " + file.getParent()
+                    + "; make it first");
         }
         if (Files.isDirectory(file)) {
-            throw new ParameterException(spec.commandLine(), option + " " + given + ": is a folder, expected a file");
+            throw new ParameterException(spec.commandLine(),
+                    option + " " + given + ": is a folder, expected a file");
         }
         return file;
     }

@@ -12,15 +12,17 @@ import reve.worlds.Product;
 import tools.jackson.databind.JsonNode;
 
 /**
- * Runs the product as its users do: a headless server on {@code worlds/spring-orbit}, a Python and a
- * Java agent over TCP, a law library dropped into the laws folder and taken out again while the world
- * runs, pictures before and after. Each of the three is a process of its own.
+ * Runs the product as its users do: a headless server on {@code worlds/spring-orbit}, a Python and
+ * a Java agent over TCP, a law library dropped into the laws folder and taken out again while the
+ * world runs, pictures before and after. Each of the three is a process of its own.
  */
 public final class Demo {
     private static final String LAW = "gravity_field";
     /** World times of the two pictures [s]; between them the law is dropped. */
     private static final String PICTURES_AT = "2,5";
-    /** The server's end if nobody ends it before, and how long the agents stay [s of world time]. */
+    /**
+     * The server's end if nobody ends it before, and how long the agents stay [s of world time].
+     */
     private static final String SERVER_SECONDS = "60";
     private static final String AGENT_SECONDS = "5";
     private static final long PATIENCE_SECONDS = 60;
@@ -48,13 +50,17 @@ public final class Demo {
         Files.deleteIfExists(dropped);
         try (JsonProcess server = startServer(laws)) {
             String port = server.await("ready", line -> true).get("agentPort").asString();
-            progress.println("server ready on port " + port + "; starting a Python and a Java agent");
-            try (JsonProcess curious = startPythonAgent(port); JsonProcess painter = startJavaAgent(port)) {
+            progress.println("server ready on port " + port
+                    + "; starting a Python and a Java agent");
+            try (JsonProcess curious = startPythonAgent(port);
+                    JsonProcess painter = startJavaAgent(port)) {
                 JsonNode before = server.await("snapshot", line -> true);
-                progress.println("first picture taken; dropping " + library.getFileName() + " into " + laws);
+                progress.println("first picture taken; dropping " + library.getFileName() + " into "
+                        + laws);
                 Files.copy(library, dropped);
                 JsonNode loaded = server.await("law-loaded", Demo::isDroppedLaw);
-                progress.println("the law acts since frame " + loaded.get("frame") + "; waiting for the second picture");
+                progress.println("the law acts since frame " + loaded.get("frame")
+                        + "; waiting for the second picture");
                 JsonNode after = server.await("snapshot", line -> !line.equals(before));
                 Files.delete(dropped);
                 JsonNode unloaded = server.await("law-unloaded", Demo::isDroppedLaw);
@@ -62,8 +68,8 @@ public final class Demo {
                 JsonNode curiousSummary = curious.awaitEnd(PATIENCE_SECONDS);
                 JsonNode painterSummary = painter.awaitEnd(PATIENCE_SECONDS);
                 server.interrupt();
-                return new DemoReport(server.awaitEnd(PATIENCE_SECONDS), loaded, unloaded, before, after,
-                        curiousSummary, painterSummary);
+                return new DemoReport(server.awaitEnd(PATIENCE_SECONDS), loaded, unloaded, before,
+                        after, curiousSummary, painterSummary);
             }
         }
     }
@@ -73,9 +79,10 @@ public final class Demo {
     }
 
     private JsonProcess startServer(Path laws) throws IOException {
-        List<String> command = java("reve.worlds.Main", "serve", root.resolve("worlds/spring-orbit").toString(), "--port", "0",
-                "--laws", laws.toString(), "--snapshots", folder.toString(), "--snapshot-at", PICTURES_AT,
-                "--seconds", SERVER_SECONDS, "--json");
+        List<String> command = java("reve.worlds.Main", "serve",
+                root.resolve("worlds/spring-orbit").toString(), "--port", "0",
+                "--laws", laws.toString(), "--snapshots", folder.toString(),
+                "--snapshot-at", PICTURES_AT, "--seconds", SERVER_SECONDS, "--json");
         return new JsonProcess("server", command, Map.of(), folder.resolve("server.log"));
     }
 
@@ -88,8 +95,8 @@ public final class Demo {
     }
 
     private JsonProcess startJavaAgent(String port) throws IOException {
-        List<String> command = java("reve.agent.examples.Painter", "--port", port, "--name", "painter",
-                "--seconds", AGENT_SECONDS);
+        List<String> command = java("reve.agent.examples.Painter", "--port", port,
+                "--name", "painter", "--seconds", AGENT_SECONDS);
         return new JsonProcess("Java agent", command, Map.of(), folder.resolve("painter.log"));
     }
 

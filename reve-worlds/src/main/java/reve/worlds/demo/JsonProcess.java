@@ -13,8 +13,8 @@ import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
 /**
- * A child process that writes JSON objects, one per line, to its standard output; its standard error
- * goes to a log file. Closing ends it.
+ * A child process that writes JSON objects, one per line, to its standard output; its standard
+ * error goes to a log file. Closing ends it.
  */
 final class JsonProcess implements AutoCloseable {
     private static final JsonMapper MAPPER = new JsonMapper();
@@ -28,7 +28,8 @@ final class JsonProcess implements AutoCloseable {
     private final List<JsonNode> lines = new ArrayList<>();
     private boolean reading = true;
 
-    JsonProcess(String name, List<String> command, Map<String, String> environment, Path log) throws IOException {
+    JsonProcess(String name, List<String> command, Map<String, String> environment, Path log)
+            throws IOException {
         this.name = name;
         this.log = log;
         ProcessBuilder builder = new ProcessBuilder(command).redirectError(log.toFile());
@@ -85,11 +86,13 @@ final class JsonProcess implements AutoCloseable {
     /** Waits for the process to end, and returns the last line it wrote. */
     JsonNode awaitEnd(long seconds) throws InterruptedException {
         if (!process.waitFor(seconds, TimeUnit.SECONDS)) {
-            throw new IllegalStateException(name + " did not end within " + seconds + " s; see " + log);
+            throw new IllegalStateException(name + " did not end within " + seconds + " s; see "
+                    + log);
         }
         reader.join();
         if (process.exitValue() != 0 || lines.isEmpty()) {
-            throw new IllegalStateException(name + " ended with code " + process.exitValue() + "; see " + log);
+            throw new IllegalStateException(name + " ended with code " + process.exitValue()
+                    + "; see " + log);
         }
         return lines.getLast();
     }

@@ -19,8 +19,8 @@ import tools.jackson.databind.JsonNode;
 /**
  * Frames of a journal as JSON: {@code frame}, {@code changes} before PHYSICS and {@code
  * late} ones after it, changes of the {@code laws}, the {@code events} for whoever reads it, and
- * digests: {@code before} PHYSICS where there were changes, and the {@code digest} of the frame's end,
- * each the part that is not as in the one before it. One thread; frames in their order.
+ * digests: {@code before} PHYSICS where there were changes, and the {@code digest} of the frame's
+ * end, each the part that is not as in the one before it. One thread; frames in their order.
  */
 public final class FrameCodec {
     private static final int PART_BYTES = Short.BYTES + 2 * Long.BYTES;
@@ -80,7 +80,8 @@ public final class FrameCodec {
     }
 
     /** Changes of the laws of a frame. */
-    public static List<LawChange> laws(JsonNode frame, Function<String, byte @Nullable []> libraries) {
+    public static List<LawChange> laws(JsonNode frame,
+            Function<String, byte @Nullable []> libraries) {
         List<LawChange> laws = new ArrayList<>();
         frame.path("laws").forEach(change -> laws.add(switch (Trees.text(change, "law")) {
             case "loaded" -> new LawChange.Loaded(ImageCodec.library(change, libraries));

@@ -10,8 +10,8 @@ import org.jspecify.annotations.Nullable;
 import reve.core.store.CorruptException;
 
 /**
- * The files beside a store that hold its frames, STORE-frames-1 and so on: with each image a new one
- * begins, and those before the oldest image are removed.
+ * The files beside a store that hold its frames, STORE-frames-1 and so on: with each image a new
+ * one begins, and those before the oldest image are removed.
  */
 final class FrameFiles {
     private final Path store;

@@ -26,11 +26,11 @@ import reve.pe.adapter.PhysicsAdapter;
 /**
  * Keeps a journal of a running world: an image first, and again every so many frames; in between,
  * whatever changed the world other than laws, and a digest of each frame. The world's thread copies
- * and sums up; threads of the journal's own write. No frame is published before the one before it is
- * written, so that the end of the process costs one frame at most, unless the disk lets the world
- * wait for too long. If writing fails the world goes on, and the journal with the next image; a
- * world whose journal itself has ended stops with an IOError. Made and closed by the world's thread,
- * between frames.
+ * and sums up; threads of the journal's own write. No frame is published before the one before it
+ * is written, so that the end of the process costs one frame at most, unless the disk lets the
+ * world wait for too long. If writing fails the world goes on, and the journal with the next image;
+ * a world whose journal itself has ended stops with an IOError. Made and closed by the world's
+ * thread, between frames.
  */
 public final class Journal implements AutoCloseable {
     private static final int FRAMES_WAITING = 2048;

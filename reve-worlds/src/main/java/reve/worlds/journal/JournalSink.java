@@ -6,14 +6,16 @@ import java.util.List;
 /** Where a journal is kept. One thread, except where it says otherwise. */
 public interface JournalSink extends AutoCloseable {
     /**
-     * Adds a library or a frame behind all else. When it returns, the record outlives the end of this
-     * process.
+     * Adds a library or a frame behind all else. When it returns, the record outlives the end of
+     * this process.
      *
      * @throws IOException naming the file, if that failed; nothing of the record counts then
      */
     void write(JournalRecord record) throws IOException;
 
-    /** A place for an image of the frame that was written last, before all that is written later. */
+    /**
+     * A place for an image of the frame that was written last, before all that is written later.
+     */
     Place place();
 
     /**

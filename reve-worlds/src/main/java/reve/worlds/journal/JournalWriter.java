@@ -114,7 +114,9 @@ final class JournalWriter {
         }
     }
 
-    /** Looks for a while before it sleeps: where nothing paces the world, the next is soon there. */
+    /**
+     * Looks for a while before it sleeps: where nothing paces the world, the next is soon there.
+     */
     private void waitForMore() {
         for (int i = 0; i < SPINS && ring.peek() == null; i++) {
             Thread.onSpinWait();
@@ -152,7 +154,8 @@ final class JournalWriter {
         if (begun && !entry.begins && !entry.last) {
             begun = attempt(() -> addFrame(entry), plan.imageFrames() == 0
                     ? "; the recording ends before frame " + entry.frame
-                    : "; a crash before the next image loses the frames from " + entry.frame + " on");
+                    : "; a crash before the next image loses the frames from " + entry.frame
+                    + " on");
         }
         if (entry.image != null) {
             SimulationImage image = entry.image;
@@ -183,7 +186,8 @@ final class JournalWriter {
     private void keepImage(Entry entry, SimulationImage image) {
         Map<String, Long> members = entry.members;
         int tries = entry.last ? LAST_IMAGE_TRIES : 1;
-        String otherwise = begun && !entry.begins ? "; the image before it and the frames since are there"
+        String otherwise = begun && !entry.begins
+                ? "; the image before it and the frames since are there"
                 : NOTHING_KEPT;
         CompletableFuture<Boolean> kept;
         try {

@@ -27,8 +27,9 @@ import reve.core.store.CorruptException;
 
 /**
  * A file of records, only ever added to: a whole recording, or frames of a store. A mark, then each
- * record: its length, a letter for what it is, its frame, the CRC32C of these three, the content, and
- * the CRC32C of that. A file that ends in the middle of a record, as after a crash, ends before it.
+ * record: its length, a letter for what it is, its frame, the CRC32C of these three, the content,
+ * and the CRC32C of that. A file that ends in the middle of a record, as after a crash, ends before
+ * it.
  */
 public final class RunLog {
     private static final byte[] MARK = "REVE run log 2\n".getBytes(StandardCharsets.US_ASCII);

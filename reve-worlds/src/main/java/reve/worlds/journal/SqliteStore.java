@@ -58,8 +58,8 @@ public final class SqliteStore implements JournalSink {
     /**
      * Opens a store, or makes an empty one where there is no file.
      *
-     * @throws CorruptException if the file is something else, of another version, or damaged so that
-     *     its tables cannot be read
+     * @throws CorruptException if the file is something else, of another version, or damaged so
+     *     that its tables cannot be read
      * @throws IOException if it cannot be opened, or another process has it open
      */
     public SqliteStore(Path file, Durability durability) throws IOException {

@@ -19,8 +19,8 @@ import reve.core.world.WorldSnapshot;
  * Shows a world as it was at the end of a frame: its bodies by shape and material, its springs as
  * lines, its surfaces as triangles in the colours of the bodies at their corners. The number of
  * what is shown is the value of its {@link ItemId}. A body whose
- * colour has alpha 0 is hidden, and so is a surface between three such bodies. Planes get a grid; a world without planes stands over a faint ground that fades, so that depth and
- * motion can be read.
+ * colour has alpha 0 is hidden, and so is a surface between three such bodies. Planes get a grid; a
+ * world without planes stands over a faint ground that fades, so that depth and motion can be read.
  *
  * @param image size and quality
  * @param environment background and light
@@ -95,7 +95,8 @@ public record SceneBuilder(ImageFormat image, Environment environment, Optional<
         }
         var position = new Reals(bodies, "position");
         var orientation = new Reals(bodies, "orientation");
-        var eye = new Point(position.at(3L * row), position.at(3L * row + 1), position.at(3L * row + 2));
+        var eye = new Point(position.at(3L * row), position.at(3L * row + 1),
+                position.at(3L * row + 2));
         double x = orientation.at(4L * row);
         double y = orientation.at(4L * row + 1);
         double z = orientation.at(4L * row + 2);

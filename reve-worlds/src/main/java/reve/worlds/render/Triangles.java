@@ -22,7 +22,10 @@ public final class Triangles {
         return this;
     }
 
-    /** @param number of the triangle that these corners belong to, positive; 0 for nothing that has one */
+    /**
+     * @param number of the triangle that these corners belong to, positive; 0 for nothing that has
+     *     one
+     */
     public Triangles item(long number) {
         items.add(Math.toIntExact(number));
         return this;

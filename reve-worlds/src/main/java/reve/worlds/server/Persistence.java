@@ -14,5 +14,5 @@ import reve.worlds.journal.SqliteStore;
  * @param imageSeconds an image goes to the store every so much world time [s]
  * @param durability of the store
  */
-public record Persistence(Path folder, Optional<Path> recording, Optional<Path> store, Optional<Path> saves,
-                          double imageSeconds, SqliteStore.Durability durability) {}
+public record Persistence(Path folder, Optional<Path> recording, Optional<Path> store,
+        Optional<Path> saves, double imageSeconds, SqliteStore.Durability durability) {}

@@ -58,7 +58,8 @@ public final class Pictures implements AutoCloseable {
 
     /** What a simulation's pictures show, from its camera if it has one. */
     public static SceneBuilder sceneBuilder(Simulation simulation, ImageFormat format) {
-        return new SceneBuilder(format, Environment.STUDIO, simulation.description().camera().map(Camera::of));
+        return new SceneBuilder(format, Environment.STUDIO,
+                simulation.description().camera().map(Camera::of));
     }
 
     private void onFrame(FrameEvent frame, Simulation simulation, ServerEvents events) {

@@ -27,9 +27,10 @@ import reve.pe.adapter.AdapterProfile;
  * @param libraries every law library that was ever loaded, in that order
  * @param snapshotNanoseconds spent on copying the world into snapshots [ns]
  */
-public record RunReport(String world, long frames, double worldSeconds, double wallSeconds, long stateHash,
-        int items, int bodies, List<PhysicsLaw> laws, List<String> libraries, List<WorldEvent> faults,
-        FrameProfile profile, AdapterProfile physics, long snapshotNanoseconds) {
+public record RunReport(String world, long frames, double worldSeconds, double wallSeconds,
+        long stateHash, int items, int bodies, List<PhysicsLaw> laws, List<String> libraries,
+        List<WorldEvent> faults, FrameProfile profile, AdapterProfile physics,
+        long snapshotNanoseconds) {
 
     public RunReport {
         laws = List.copyOf(laws);
@@ -42,11 +43,12 @@ public record RunReport(String world, long frames, double worldSeconds, double w
         World world = simulation.world();
         FrameProfile profile = simulation.loop().profile();
         Timing timing = simulation.description().timing();
-        return new RunReport(world.name(), profile.frames(), timing.timeSeconds(profile.frames()), wallSeconds,
-                simulation.physics().stateHash(), world.items().size() - 1,
-                world.table(WorldPrototype.BODY).physicsRowCount(), simulation.physics().laws().loaded(),
-                simulation.events().libraries(), simulation.events().faults(), profile,
-                simulation.physics().profile(), simulation.snapshotNanoseconds());
+        return new RunReport(world.name(), profile.frames(), timing.timeSeconds(profile.frames()),
+                wallSeconds, simulation.physics().stateHash(), world.items().size() - 1,
+                world.table(WorldPrototype.BODY).physicsRowCount(),
+                simulation.physics().laws().loaded(), simulation.events().libraries(),
+                simulation.events().faults(), profile, simulation.physics().profile(),
+                simulation.snapshotNanoseconds());
     }
 
     /** Simulated seconds per second of wall time. */
@@ -74,17 +76,18 @@ public record RunReport(String world, long frames, double worldSeconds, double w
 
     /** A few lines for people. */
     public void print(PrintWriter out) {
-        out.printf(Locale.ROOT, "%s: %d frames, %.2f s of world time in %.2f s (%.1f x real time)%n",
-                world, frames, worldSeconds, wallSeconds, realTimeFactor());
+        out.printf(Locale.ROOT,
+                "%s: %d frames, %.2f s of world time in %.2f s (%.1f x real time)%n", world, frames,
+                worldSeconds, wallSeconds, realTimeFactor());
         out.printf(Locale.ROOT, "items: %d, of which laws move %d%n", items, bodies);
         for (PhysicsLaw law : laws) {
-            out.printf(Locale.ROOT, "law %s %s (%s): %d calls, %.2f ms%n", law.name(), law.version(), law.library(),
-                    law.calls(), law.nanoseconds() * 1e-6);
+            out.printf(Locale.ROOT, "law %s %s (%s): %d calls, %.2f ms%n", law.name(),
+                    law.version(), law.library(), law.calls(), law.nanoseconds() * 1e-6);
         }
         for (WorldEvent fault : faults) {
             Object file = fault.fields().getOrDefault("file", "");
-            out.printf(Locale.ROOT, "fault in frame %d: %s%s%n", fault.frame(), file.equals("") ? "" : file + ": ",
-                    fault.fields().get("message"));
+            out.printf(Locale.ROOT, "fault in frame %d: %s%s%n", fault.frame(),
+                    file.equals("") ? "" : file + ": ", fault.fields().get("message"));
         }
         out.printf(Locale.ROOT, "state hash: %s%n", hash());
     }

@@ -28,7 +28,9 @@ import reve.worlds.journal.SimulationImage;
  */
 final class ServerControl implements WorldControl, AutoCloseable {
     private static final Logger LOG = LoggerFactory.getLogger("reve.control");
-    /** What names files of the server is for who runs it, not for who controls a world from afar. */
+    /**
+     * What names files of the server is for who runs it, not for who controls a world from afar.
+     */
     private static final String SEE_LOG = "; the server's log says why";
 
     /** Never a path: who may control the world may not choose which files it runs. */
@@ -45,7 +47,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private @Nullable SimulationImage beginning;
 
     /** @param saves folder for world files, if any may be written */
-    ServerControl(Simulation simulation, Pictures pictures, Optional<Path> saves, ServerEvents events) {
+    ServerControl(Simulation simulation, Pictures pictures, Optional<Path> saves,
+            ServerEvents events) {
         this.simulation = simulation;
         this.pictures = pictures;
         this.saves = saves;
@@ -141,8 +144,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 events.happened("saved", fields);
             } catch (IOException | IllegalArgumentException | PhysicsException failed) {
                 LOG.error("the world cannot be saved as {}", target, failed);
-                throw new ActionRefused("save-refused", "the world cannot be saved as " + file + SEE_LOG,
-                        failed);
+                throw new ActionRefused("save-refused", "the world cannot be saved as " + file
+                        + SEE_LOG, failed);
             }
         }
 

@@ -2,7 +2,10 @@ package reve.worlds.server;
 
 import java.util.Map;
 
-/** Hears what happens in a server. Called from the world's and the renderer's thread; must not block. */
+/**
+ * Hears what happens in a server. Called from the world's and the renderer's thread; must not
+ * block.
+ */
 @FunctionalInterface
 public interface ServerEvents {
     /**

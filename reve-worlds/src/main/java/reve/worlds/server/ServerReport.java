@@ -45,7 +45,9 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) 
     /** A few lines for people. */
     public void print(PrintWriter out) {
         runs.forEach(run -> run.print(out));
-        out.printf(Locale.ROOT, "agents: %d joined, %d perceptions, %d acts accepted, %d refused, %d cut%n",
-                agents.joined(), agents.perceptions(), agents.actsAccepted(), agents.actsRefused(), agents.cut());
+        out.printf(Locale.ROOT,
+                "agents: %d joined, %d perceptions, %d acts accepted, %d refused, %d cut%n",
+                agents.joined(), agents.perceptions(), agents.actsAccepted(), agents.actsRefused(),
+                agents.cut());
     }
 }

@@ -181,7 +181,9 @@ public final class Simulation implements AutoCloseable {
                 new LawReference(library.name(), library.parameters(), library.name())).toList());
     }
 
-    /** What the world has now that {@link #descriptionNow} leaves out, for people. World's thread. */
+    /**
+     * What the world has now that {@link #descriptionNow} leaves out, for people. World's thread.
+     */
     public List<String> notDescribed() {
         List<String> left = new ArrayList<>();
         for (PhysicsLaw law : physics.laws().loaded()) {
@@ -250,9 +252,9 @@ public final class Simulation implements AutoCloseable {
 
     /**
      * Goes back to an image: time, items and laws are as they were, and what happens from there is,
-     * to the bit, what happened then if nobody interferes. Frames are counted on: the next one shows
-     * the world as the image has it. What is said and perceived of the frames before it is not taken
-     * back. World's thread, between frames.
+     * to the bit, what happened then if nobody interferes. Frames are counted on: the next one
+     * shows the world as the image has it. What is said and perceived of the frames before it is
+     * not taken back. World's thread, between frames.
      *
      * @return the number of that frame
      * @throws IllegalStateException if a frame is being made

@@ -82,7 +82,8 @@ public final class WorldServer implements AutoCloseable {
         List<Run> runs = worlds.stream().map(Run::new).toList();
         runs.forEach(run -> run.thread.start());
         runs.forEach(Run::join);
-        return new ServerReport(runs.stream().flatMap(run -> Optional.ofNullable(run.report).stream())
+        return new ServerReport(runs.stream().flatMap(run -> Optional.ofNullable(run.report)
+                .stream())
                 .toList(), worlds.size(), agents.stats());
     }
 

@@ -15,8 +15,9 @@ import reve.agent.WorldEvent;
 import tools.jackson.databind.json.JsonMapper;
 
 /**
- * An agent that shows how fast things are: it watches all items and paints those that let themselves be painted,
- * from blue (at rest) to red (the fastest seen so far). Its last line on standard output is a JSON summary.
+ * An agent that shows how fast things are: it watches all items and paints those that let
+ * themselves be painted, from blue (at rest) to red (the fastest seen so far). Its last line on
+ * standard output is a JSON summary.
  */
 public final class Painter {
 
@@ -46,8 +47,8 @@ public final class Painter {
 
     /** Runs the agent; exit code 1 if it could not join or was cut off, 2 for wrong arguments. */
     public static void main(String[] arguments) {
-        Map<String, String> options = new LinkedHashMap<>(
-                Map.of("--host", "127.0.0.1", "--port", "7777", "--name", "painter", "--seconds", "5"));
+        Map<String, String> options = new LinkedHashMap<>(Map.of("--host", "127.0.0.1",
+                "--port", "7777", "--name", "painter", "--seconds", "5"));
         for (int i = 0; i < arguments.length; i += 2) {
             if (!options.containsKey(arguments[i]) || i + 1 == arguments.length) {
                 System.err.println(USAGE);
@@ -59,14 +60,15 @@ public final class Painter {
     }
 
     private static int run(Map<String, String> options) {
-        try (AgentClient agent = AgentClient.connect(options.get("--host"), Integer.parseInt(options.get("--port")),
-                options.get("--name"))) {
+        try (AgentClient agent = AgentClient.connect(options.get("--host"),
+                Integer.parseInt(options.get("--port")), options.get("--name"))) {
             return new Painter(agent, Double.parseDouble(options.get("--seconds"))).run();
         } catch (NumberFormatException e) {
             System.err.println("painter: not a number: " + e.getMessage() + "\n" + USAGE);
             return 2;
         } catch (IOException | AgentException e) {
-            System.err.println("painter: cannot paint at " + options.get("--host") + ":" + options.get("--port") + ": "
+            System.err.println("painter: cannot paint at " + options.get("--host") + ":"
+                    + options.get("--port") + ": "
                     + e.getMessage());
             return 1;
         }
