@@ -11,14 +11,14 @@ import reve.core.world.ScalarType;
 final class ForceReader {
     private static final Unit NEWTON = Unit.parse("N");
 
-    private final ItemReader items;
+    private final ItemNames names;
     private final ScalarType real;
     private final Problems problems;
     private final Quantities quantities;
 
     /** @param real type of the world's reals, which a force must fit */
-    ForceReader(ItemReader items, ScalarType real, Problems problems) {
-        this.items = items;
+    ForceReader(ItemNames names, ScalarType real, Problems problems) {
+        this.names = names;
         this.real = real;
         this.problems = problems;
         this.quantities = new Quantities(problems);
@@ -28,7 +28,7 @@ final class ForceReader {
     List<LastingForce> readAll(Node list) {
         List<LastingForce> forces = new ArrayList<>();
         for (Node node : list.children()) {
-            Optional<String> item = node.get("item").flatMap(items::readPhysicalBody);
+            Optional<String> item = node.get("item").flatMap(names::physicalBody);
             Optional<double[]> newtons = node.get("force").flatMap(this::newtons);
             Optional<Double> frames = node.get("frames").flatMap(Node::number);
             if (item.isPresent() && newtons.isPresent() && frames.isPresent()) {

@@ -2,10 +2,7 @@ package reve.core.file;
 
 import java.util.ArrayList;
 import java.util.HashSet;
-import java.util.LinkedHashMap;
-import java.util.LinkedHashSet;
 import java.util.List;
-import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.BiFunction;
@@ -30,22 +27,12 @@ final class ItemReader {
     private final DensityReader densities;
     private final ActionReader actions;
     private final SensorReader sensors;
-    /** The items of the file by name; of several with one name, the first. */
-    private final Map<String, Entry> byName = new LinkedHashMap<>();
-    private final List<Reference> references = new ArrayList<>();
-    /** Where items name their parents, by the items' names. */
-    private final Map<String, Node> parents = new LinkedHashMap<>();
+    private final ItemNames names;
 
     /** Lays what an item says over what it is like. */
     interface Completion {
         Node complete(Node item) throws WorldFileException;
     }
-
-    /** What others may ask about an item. */
-    private record Entry(Node name, String kind, boolean hasPhysics) {}
-
-    /** One mention of another item, to be resolved when all items are known. */
-    private record Reference(Node target, String kind, boolean needsPhysics) {}
 
     /** @param pathOf where a file is that a value names, as the assets take it */
     ItemReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
@@ -53,6 +40,7 @@ final class ItemReader {
         this.prototype = prototype;
         this.completion = completion;
         this.problems = problems;
+        this.names = new ItemNames(problems);
         this.physics = physics;
         this.physical = new PhysicalReader(prototype, physics, assets, pathOf, problems);
         this.densities = new DensityReader(prototype, physics, problems);
@@ -78,37 +66,13 @@ final class ItemReader {
         for (Node node : nodes) {
             expansion.expand(node, sink);
         }
-        resolveReferences();
-        refuseCircles();
+        names.resolve();
         return items;
     }
 
-    /** Names of the items that {@code agents.bodies} lists. */
-    List<String> readBodies(Node bodies) {
-        List<String> names = new ArrayList<>();
-        Set<String> seen = new HashSet<>();
-        for (Node node : bodies.children()) {
-            node.text().ifPresent(name -> {
-                Entry entry = byName.get(name);
-                if (entry == null) {
-                    problems.add(node, node.label() + ": no item is named `" + Node.shorten(name)
-                            + "`" + Suggestion.of(name, byName.keySet()));
-                } else if (!entry.kind.equals(WorldPrototype.BODY)) {
-                    problems.add(node, node.label() + ": `" + name + "` is a " + entry.kind
-                            + ", expected a body");
-                } else if (!seen.add(name)) {
-                    problems.add(node, node.label() + ": `" + name + "` is listed twice");
-                }
-                names.add(name);
-            });
-        }
+    /** What is known of items by their names. */
+    ItemNames names() {
         return names;
-    }
-
-    /** The name of a body that takes part in physics; empty and a problem noted for any other. */
-    Optional<String> readPhysicalBody(Node name) {
-        return name.text().filter(
-                text -> resolve(new Reference(name, WorldPrototype.BODY, true)));
     }
 
     /** The body that new agents get; the taker renames it. */
@@ -147,7 +111,7 @@ final class ItemReader {
             ItemDefinition.Builder item = ItemDefinition.named(name.get()).kind(kind.get());
             node.get("parent").filter(parent -> parent.text().isPresent()).ifPresent(parent -> {
                 item.parent(parent.text().orElseThrow());
-                references.add(new Reference(parent, WorldPrototype.BODY, false));
+                names.mention(parent, WorldPrototype.BODY, false);
             });
             readAspects(node, kind.get(), hasPhysics(node), item);
             requireReferences(node, kind.get());
@@ -228,10 +192,8 @@ final class ItemReader {
             return refuse(node, "name: `world` is the item that holds the constants; they belong "
                     + "under `constants`");
         }
-        Entry first = byName.putIfAbsent(name.get(), new Entry(node, kind, hasPhysics));
-        if (first != null) {
-            return refuse(node, "duplicate item name `" + Node.shorten(name.get())
-                    + "`, first " + Problems.place(first.name, node));
+        if (!names.add(node, kind, hasPhysics)) {
+            return Optional.empty();
         }
         try {
             return Optional.of(beginning.apply(name.get()));
@@ -274,8 +236,7 @@ final class ItemReader {
             return;
         }
         item.parent(parent.text().orElseThrow());
-        parents.put(item.name(), parent);
-        references.add(new Reference(parent, WorldPrototype.BODY, false));
+        names.mentionParent(item.name(), parent);
     }
 
     private void refuseMassOfChild(Node node, ItemDefinition item) {
@@ -365,8 +326,8 @@ final class ItemReader {
             public void references(PropertyDescriptor property, List<Node> targets) {
                 item.reference(property.name(), targets.stream()
                         .map(target -> target.text().orElseThrow()).toArray(String[]::new));
-                targets.forEach(target -> references.add(new Reference(target,
-                        property.refersTo().orElseThrow(), true)));
+                targets.forEach(target ->
+                        names.mention(target, property.refersTo().orElseThrow(), true));
             }
         };
     }
@@ -400,56 +361,5 @@ final class ItemReader {
                                 + "` is referred to twice; expected different items"));
             }
         }
-    }
-
-    /** Nothing is its own parent, however far up. */
-    private void refuseCircles() {
-        Set<String> free = new HashSet<>();
-        for (String item : parents.keySet()) {
-            Set<String> path = new LinkedHashSet<>();
-            String next = item;
-            while (parents.containsKey(next) && !free.contains(next)) {
-                Node parent = parents.get(next);
-                if (!path.add(next)) {
-                    problems.add(parent, "parent: `" + Node.shorten(next)
-                            + "` would be its own parent, by way of "
-                            + Node.shorten(String.join(", ", path)));
-                    break;
-                }
-                next = parent.text().orElseThrow();
-            }
-            free.addAll(path);
-        }
-    }
-
-    private void resolveReferences() {
-        for (Reference reference : references) {
-            if (problems.full()) {
-                return;
-            }
-            resolve(reference);
-        }
-    }
-
-    /** @return false and a problem noted if it is no mention of an item that is as it should be */
-    private boolean resolve(Reference reference) {
-        String name = reference.target.text().orElseThrow();
-        Entry entry = byName.get(name);
-        if (entry == null) {
-            return refuse(reference, "no item is named `" + Node.shorten(name) + "`"
-                    + Suggestion.of(name, byName.keySet()));
-        }
-        if (!entry.kind.equals(reference.kind)) {
-            return refuse(reference, "`" + name + "` is a " + entry.kind + ", expected a "
-                    + reference.kind);
-        }
-        return !reference.needsPhysics || entry.hasPhysics
-                || refuse(reference, "`" + name + "` has no `physics`, so nothing can hold on to "
-                        + "it; mass 0 makes a body immovable");
-    }
-
-    private boolean refuse(Reference reference, String reason) {
-        problems.add(reference.target, reference.target.label() + ": " + reason);
-        return false;
     }
 }

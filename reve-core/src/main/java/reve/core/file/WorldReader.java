@@ -40,7 +40,7 @@ final class WorldReader {
                 new ItemReader(prototype, physics, assets, source.files()::pathOf,
                         expansion::complete, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
-        var forceReader = new ForceReader(itemReader, prototype.realType(), problems);
+        var forceReader = new ForceReader(itemReader.names(), prototype.realType(), problems);
         List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
         List<LawReference> laws = laws(source.all("laws"));
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
@@ -146,7 +146,7 @@ final class WorldReader {
 
     private AgentPolicy agents(Node node, ItemReader itemReader)
             throws WorldFileException {
-        List<String> bodies = node.get("bodies").map(itemReader::readBodies).orElse(List.of());
+        List<String> bodies = node.get("bodies").map(itemReader.names()::bodies).orElse(List.of());
         Optional<Node> body = node.get("body");
         return new AgentPolicy(bodies, body.isEmpty() ? Optional.empty()
                 : Optional.of(itemReader.readTemplate(body.get())), places(node));
