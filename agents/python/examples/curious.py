@@ -126,7 +126,7 @@ class Curious:
     def choose(self, item: reve.Item, time: float) -> None:
         self.favourite, self.chosen_at = item.name, time
         self.found_at, self.last_seen = item.location, None
-        self.next_push = time + self.options.push_every
+        self.next_push = time
 
     def lose_interest(self, time: float) -> None:
         self.bored_until[self.favourite] = time + _BORED_FOR
