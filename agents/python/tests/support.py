@@ -35,6 +35,20 @@ def java(program: str, *arguments: str) -> List[str]:
 
 
 @contextlib.contextmanager
+def launched(*arguments: str) -> Iterator[int]:
+    """`./reve` with these arguments, which make it a server, in the project's folder; yields its port."""
+    root = PACKAGE.parents[1]
+    server = subprocess.Popen([str(root / "reve"), *arguments, "--json"], cwd=root, stdout=subprocess.PIPE, text=True)
+    try:
+        assert server.stdout is not None
+        events = (json.loads(line) for line in server.stdout)
+        yield next(event["agentPort"] for event in events if event["event"] == "ready")
+    finally:
+        server.terminate()
+        server.communicate(timeout=30)
+
+
+@contextlib.contextmanager
 def pond() -> Iterator[int]:
     """A server with the world of pond.yaml, as a process of its own; yields its port."""
     command = java(str(HERE / "PondServer.java"), str(HERE / "pond.yaml"))

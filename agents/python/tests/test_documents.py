@@ -10,9 +10,12 @@ import tempfile
 import unittest
 from typing import List
 
-from support import PACKAGE, java, pond
+from support import PACKAGE, java, launched, pond
 
-DOCUMENTS = [PACKAGE / "README.md", PACKAGE.parents[1] / "docs" / "agents.md"]
+import reve
+
+README = PACKAGE / "README.md"
+PAGE = PACKAGE.parents[1] / "docs" / "agents.md"
 
 
 def examples(document: pathlib.Path, language: str, port: int) -> List[str]:
@@ -21,40 +24,63 @@ def examples(document: pathlib.Path, language: str, port: int) -> List[str]:
     return [code.replace("7777", str(port)) for name, code in blocks if name == language]
 
 
-class DocumentsTest(unittest.TestCase):
+def python(script: str) -> "subprocess.CompletedProcess[str]":
+    return subprocess.run(
+        [sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(PACKAGE)}, capture_output=True, text=True,
+        timeout=60,
+    )
+
+
+class ReadmeTest(unittest.TestCase):
+    def test_its_example_runs(self):
+        with pond() as port:
+            for script in examples(README, "python", port):
+                run = python(script)
+                self.assertEqual(run.returncode, 0, run.stderr)
+                self.assertRegex(run.stdout, "duck .*accepted=True")
+
+
+class PageTest(unittest.TestCase):
+    """docs/agents.md, in the world that its first command serves."""
+
     @classmethod
     def setUpClass(cls):
-        cls.server = pond()
+        command = re.search(r"^    \./reve (serve .*)$", PAGE.read_text("utf-8"), re.MULTILINE).group(1)
+        cls.server = launched(*command.replace("7777", "0").split())
         cls.port = cls.server.__enter__()
 
     @classmethod
     def tearDownClass(cls):
         cls.server.__exit__(None, None, None)
 
+    def test_the_first_python_example_moves_a_body(self):
+        with reve.control(port=self.port) as world:
+            world.rewind()
+            self.assertEqual(world.perceive().find("blue").location[2], 0.0)
+            run = python(examples(PAGE, "python", self.port)[0])
+            self.assertEqual(run.returncode, 0, run.stderr)
+            self.assertGreater(world.perceive().find("blue").location[2], 0.0)
+
     def test_the_python_examples_run(self):
-        scripts = [(d.name, script) for d in DOCUMENTS for script in examples(d, "python", self.port)]
-        for document, script in scripts:
-            with self.subTest(document=document, script=script):
-                run = subprocess.run(
-                    [sys.executable, "-c", script],
-                    env={**os.environ, "PYTHONPATH": str(PACKAGE)}, capture_output=True, text=True, timeout=60,
-                )
+        for script in examples(PAGE, "python", self.port):
+            with self.subTest(script=script):
+                run = python(script)
                 self.assertEqual(run.returncode, 0, run.stderr)
-                self.assertRegex(run.stdout, "duck|accepted=True")
+                self.assertRegex(run.stdout, "blue|accepted=True")
                 self.assertNotRegex(run.stdout, "refused|accepted=False")
 
     def test_the_java_examples_run(self):
-        for example in examples(DOCUMENTS[1], "java", self.port):
+        for example in examples(PAGE, "java", self.port):
             with self.subTest(example=example), tempfile.TemporaryDirectory() as folder:
                 source = pathlib.Path(folder, "Example.java")
                 source.write_text(example, "utf-8")
                 run = subprocess.run(java(str(source)), capture_output=True, text=True, timeout=60)
                 self.assertEqual(run.returncode, 0, run.stderr)
-                self.assertIn("duck painted", run.stdout)
+                self.assertIn("red painted", run.stdout)
                 self.assertNotIn("false", run.stdout)
 
     def test_the_lines_typed_by_hand_are_answered_as_described(self):
-        lines = examples(DOCUMENTS[1], "", self.port)[0]
+        lines = examples(PAGE, "", self.port)[0]
         expected = {"hello": "welcome", "perceive": "perception", "act": "result", "bye": "bye"}
         with socket.create_connection(("127.0.0.1", self.port), timeout=20) as connection:
             answers = connection.makefile("r", encoding="utf-8")
@@ -65,6 +91,7 @@ class DocumentsTest(unittest.TestCase):
                 while '"t":"event"' in answer:
                     answer = answers.readline()
                 self.assertIn(f'"t":"{wanted}"', answer)
+                self.assertNotIn('"accepted":false', answer)
             self.assertEqual(answers.readline(), "")
 
 

@@ -25,7 +25,8 @@ public interface ActionProvider {
     /**
      * Decides what happens; all of it is done when it returns, or none. It may read the world, on
      * whose thread it runs, but not change it, and the same world and call must give the same
-     * effects. Whatever it throws, the action is refused and nothing has happened.
+     * effects. Whatever it throws, the action is refused and nothing has happened. The frame waits
+     * until it returns, and nothing ends one that does not: it never sleeps or waits.
      *
      * @throws ActionRefused if it cannot be done now
      */
