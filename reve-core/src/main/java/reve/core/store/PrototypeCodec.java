@@ -17,6 +17,7 @@ public final class PrototypeCodec {
 
     private PrototypeCodec() {}
 
+    /** As {@link Trees#write} takes it. */
     public static Map<String, Object> write(WorldPrototype prototype) {
         int standard = WorldPrototype.standard(prototype.name()).properties().size();
         List<PropertyDescriptor> all = prototype.properties();

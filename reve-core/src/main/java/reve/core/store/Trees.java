@@ -24,11 +24,12 @@ public final class Trees {
         return MAPPER.writeValueAsBytes(tree);
     }
 
+    /** The tree that was written. */
     public static JsonNode read(byte[] json) {
         try {
             return MAPPER.readTree(json);
         } catch (JacksonException e) {
-            throw new CorruptException("no JSON: " + e.getOriginalMessage());
+            throw new CorruptException("no JSON: " + e.getOriginalMessage(), e);
         }
     }
 
@@ -41,10 +42,12 @@ public final class Trees {
         return field;
     }
 
+    /** A text that has to be there. */
     public static String text(JsonNode object, String name) {
         return field(object, name).asString();
     }
 
+    /** An integer that has to be there. */
     public static long integer(JsonNode object, String name) {
         return integer(field(object, name));
     }
