@@ -1,8 +1,9 @@
-"""Learns to balance the pole of worlds/cart-pole, in lock-step with the world, from nothing but falling over.
+"""Learns to balance the pole of worlds/cart-pole, in lock-step with the world, from nothing but
+falling over.
 
-The agent pushes the cart by a weighted sum of what it observes. Which weights are good it finds by the cross-entropy
-method (R. Rubinstein, 1999): try some at random, keep the best, try again around these. The last line on standard
-output is a JSON summary.
+The agent pushes the cart by a weighted sum of what it observes. Which weights are good it finds by
+the cross-entropy method (R. Rubinstein, 1999): try some at random, keep the best, try again around
+these. The last line on standard output is a JSON summary.
 
     python3 balance.py --launcher ./reve
 """
@@ -42,10 +43,12 @@ class Balance(Task):
         return [("tip", "physical.location", [math.sin(lean), math.cos(lean), 0.0])]
 
     def observe(self, perception: reve.Perception) -> Numbers:
-        """Where the cart is [m], its speed [m/s], how far the pole leans [1], and how fast [1/s]."""
+        """Where the cart is [m], its speed [m/s], how far the pole leans [1], and how fast [1/s].
+        """
         cart, tip = perception.find("cart"), perception.find("tip")
         speed, tip_speed = cart.symbols["velocity"][0], tip.symbols["velocity"][0]
-        return numpy.array([cart.location[0], speed, tip.location[0] - cart.location[0], tip_speed - speed])
+        lean = tip.location[0] - cart.location[0]
+        return numpy.array([cart.location[0], speed, lean, tip_speed - speed])
 
     def act(self, action: Numbers) -> Iterable[reve.Act]:
         return [reve.Act("cart", "drive", {"force": STRONGEST * float(action[0])})]
@@ -80,7 +83,8 @@ def learn(environment: Environment, options: argparse.Namespace) -> Tuple[Number
         best = tries[numpy.argsort(-points, kind="stable")[: options.tries // 4]]
         mean, spread = best.mean(axis=0), best.std(axis=0) + 0.1
         history.append(float(points.mean()))
-        print(f"generation {generation + 1}: mean {points.mean():.0f}, best {points.max():.0f} points", file=sys.stderr)
+        told = f"mean {points.mean():.0f}, best {points.max():.0f} points"
+        print(f"generation {generation + 1}: {told}", file=sys.stderr)
     return mean, history
 
 

@@ -1,9 +1,10 @@
-"""A curious agent: goes to the item it finds most interesting, pushes it until it has moved, and turns to the next.
+"""A curious agent: goes to the item it finds most interesting, pushes it until it has moved, and
+turns to the next.
 
-Interesting is what has a high symbol `interest`, or, among equals, what is unlike the rest: each symbol counts the
-more the fewer items share its value. What was pushed about is boring for a while. If its body has an action `roll`,
-it goes there and runs against the item; if the item has an action `push`, it does that. The last line on
-standard output is a JSON summary.
+Interesting is what has a high symbol `interest`, or, among equals, what is unlike the rest: each
+symbol counts the more the fewer items share its value. What was pushed about is boring for a while.
+If its body has an action `roll`, it goes there and runs against the item; if the item has an action
+`push`, it does that. The last line on standard output is a JSON summary.
 
     ./reve serve worlds/playground --port 7777 &
     python3 curious.py --port 7777 --seconds 30
@@ -29,7 +30,8 @@ _BORED_FOR = 12.0  # s
 
 
 def surprise(item: reve.Item, items: Sequence[reve.Item]) -> float:
-    """How unlike the rest an item is [bits]: a symbol that one item in eight shares counts three."""
+    """How unlike the rest an item is [bits]: a symbol that one item in eight shares counts three.
+    """
     bits = 0.0
     for symbol, value in item.symbols.items():
         if symbol not in _EVERYBODY_HAS:
@@ -118,7 +120,9 @@ class Curious:
         items = perception.items
         others = [
             i for i in items
-            if i.location is not None and i.name != self.agent.body and i.symbols.get("class") != "ground"
+            if i.location is not None
+            and i.name != self.agent.body
+            and i.symbols.get("class") != "ground"
             and self.bored_until.get(i.name, 0.0) <= perception.time
         ]
         return max(others, key=lambda item: interest(item, items), default=None)
@@ -157,14 +161,20 @@ class Curious:
 
 
 def parse(arguments: List[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(description="Goes to the most interesting items of a world and pushes them.")
+    parser = argparse.ArgumentParser(
+        description="Goes to the most interesting items of a world and pushes them."
+    )
     parser.add_argument("--host", default="127.0.0.1")
     parser.add_argument("--port", type=int, default=7777)
     parser.add_argument("--name", default="curious")
-    parser.add_argument("--seconds", type=float, default=5.0, help="how long to stay, in the world's time")
+    parser.add_argument(
+        "--seconds", type=float, default=5.0, help="how long to stay, in the world's time"
+    )
     parser.add_argument("--frames", type=int, help="leave after so many frames, if that is sooner")
     parser.add_argument("--every", type=int, default=6, help="perceive every that many frames")
-    parser.add_argument("--push-every", type=float, default=1.0, help="seconds of the world between pushes")
+    parser.add_argument(
+        "--push-every", type=float, default=1.0, help="seconds of the world between pushes"
+    )
     parser.add_argument("--strength", type=float, default=0.5, help="of a push [N*s]")
     parser.add_argument("--force", type=float, default=80.0, help="to roll with [N]")
     return parser.parse_args(arguments)

@@ -32,7 +32,7 @@ from .protocol import (
     ServerMessage,
     Welcome,
 )
-from .tls import Tls
+from .tls import Tls, failed, trusting
 
 _RETRY_SECONDS = 0.2
 _LONGEST_MESSAGE = 1 << 30
@@ -83,7 +83,8 @@ async def control(
 
 
 class Client:
-    """What agents and controls have in common; as `reve.Client`. For the tasks of one event loop."""
+    """What agents and controls have in common; as `reve.Client`. For the tasks of one event loop.
+    """
 
     _talk: Conversation
     _reader: asyncio.Task[None]
@@ -111,17 +112,13 @@ class Client:
             ) from error
 
     async def _join(self, greeting: Message) -> Tuple[_Wire, Welcome]:
-        context: Union[bool, ssl.SSLContext, None] = None
-        if isinstance(self._tls, ssl.SSLContext):
-            context = self._tls
-        elif self._tls:
-            context = ssl.create_default_context(cafile=self._tls if isinstance(self._tls, str) else None)
+        context = trusting(self._tls) if self._tls else None
         try:
-            wire = await asyncio.open_connection(*self._address, ssl=context, limit=_LONGEST_MESSAGE)
+            wire = await asyncio.open_connection(
+                *self._address, ssl=context, limit=_LONGEST_MESSAGE
+            )
         except ssl.SSLError as error:
-            raise Disconnected(
-                "tls-failed", str(error), "does the server speak TLS, and is its certificate one that you trust?"
-            ) from error
+            raise failed(error) from error
         try:
             wire[1].write(protocol.encode(greeting))
             return wire, await _welcome(wire[0])
@@ -143,7 +140,8 @@ class Client:
         return await self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
     async def perceptions(self, every: int = 1) -> AsyncIterator[Perception]:
-        """A perception every that many frames, always the newest. Starting another ends the first."""
+        """A perception every that many frames, always the newest. Starting another ends the first.
+        """
         number, line = self._talk.subscribe(every)
         self._send(line)
         patience = self._timeout + every / self.welcome.rate
@@ -266,9 +264,7 @@ class Client:
                     return False
                 await asyncio.sleep(_RETRY_SECONDS)
                 continue
-            self._send(
-                self._talk.gone_on() if self._talk.end is None else self._talk.encode(protocol.bye())
-            )
+            self._send(self._talk.gone_on())
             return True
         return False
 
@@ -285,12 +281,15 @@ class Agent(Client):
         return self.welcome.body
 
     async def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
-        """Asks the item to do one of its actions and waits for the outcome. A refusal is a result."""
+        """Asks the item to do one of its actions and waits for the outcome. A refusal is a result.
+        """
         target = item if isinstance(item, str) else item.name
         return await self._ask(lambda id: protocol.act(id, target, action, arguments), Result)
 
     async def look(self, sensor: str) -> Image:
-        """What one of our body's cameras sees now; ReveError with the server's code if there is no picture."""
+        """What one of our body's cameras sees now; ReveError with the server's code if there is no
+        picture.
+        """
         return await self._ask(lambda id: protocol.look(id, sensor), Image)
 
     async def step(self, *acts: Act) -> Perception:
@@ -299,11 +298,15 @@ class Agent(Client):
         return await self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does these things in the next frame, for which the world need not wait any longer."""
+        """In lock-step: does these things in the next frame, for which the world need not wait any
+        longer.
+        """
         self._send(self._talk.ready(acts))
 
     async def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the perception of that frame or a later one that was not observed yet."""
+        """In lock-step: waits for the perception of that frame or a later one that was not observed
+        yet.
+        """
         patience = self._timeout + self._talk.patience()
         while not self._talk.has_observation(frame):
             if self._talk.must_say_ready():

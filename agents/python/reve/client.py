@@ -6,7 +6,9 @@ import socket
 import threading
 from functools import partial
 import time as clock
-from typing import BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, Union
+from typing import (
+    BinaryIO, Callable, Iterator, List, Optional, Sequence, Tuple, Type, TypeVar, Union
+)
 
 from . import protocol
 from .commands import Commands
@@ -54,14 +56,19 @@ def connect(
     """Joins the world at that address as agent `name` and returns when it has a body there.
 
     `world` names one of the server's worlds; needed only where it has several.
-    `body` names an item that the world lends to agents; without it the world chooses one. As `role` "observer"
-    one perceives everything and does nothing. `encoding` "msgpack" is faster and needs the package msgpack.
+    `body` names an item that the world lends to agents; without it the world chooses one.
+    As `role` "observer" one perceives everything and does nothing.
+    `encoding` "msgpack" is faster and needs the package msgpack.
     With a `time` the world waits for the agent, see `Agent.step`; else it goes on at its own pace.
-    `grace` [s] is how long the body may wait for us when the connection breaks; we reconnect by ourselves, and
-    whoever waits for an answer notices nothing. `token` is what a server that asks for one was told to expect.
-    `tls` makes the connection private: True trusts whom this machine trusts, the name of a file only the
-    certificates in it. `timeout` [s] bounds this and every later wait for an answer.
-    Raises OSError where nobody listens, Disconnected with the server's code where the agent may not join.
+    `grace` [s] is how long the body may wait for us when the connection breaks; we reconnect by
+    ourselves, and whoever waits for an answer notices nothing.
+    `token` is what a server that asks for one was told to expect.
+    `tls` makes the connection private: True trusts whom this machine trusts, the name of a file
+    only the certificates in it.
+    `timeout` [s] bounds this and every later wait for an answer.
+
+    Raises OSError where nobody listens, Disconnected with the server's code where the agent may not
+    join.
     """
     greeting = protocol.hello(
         name, body, role, encoding, grace, token=token, time=time, world=world
@@ -85,10 +92,11 @@ def control(
 
 
 class Client:
-    """What agents and controls have in common: a connection, and perceptions. For use by any thread.
+    """What agents and controls have in common: a connection, and perceptions. For use by any
+    thread.
 
-    Every call raises Disconnected once the connection has ended, and ReveError with code `no-answer` when
-    the server is silent for longer than the timeout.
+    Every call raises Disconnected once the connection has ended, and ReveError with code
+    `no-answer` when the server is silent for longer than the timeout.
     """
 
     def __init__(
@@ -136,7 +144,8 @@ class Client:
     def perceive(self, relations: bool = False) -> Perception:
         """The items of the next frame.
 
-        With `relations`, the symbols of bodies with a shape hold `near`, `on`, `inside` and `touching`, too.
+        With `relations`, the symbols of bodies with a shape hold `near`, `on`, `inside` and
+        `touching`, too.
         """
         return self._ask(lambda id: protocol.perceive(id, relations=relations), Perception)
 
@@ -195,7 +204,8 @@ class Client:
 
     def _ask(self, build: Callable[[int], Message], answer_type: Type[_T]) -> _T:
         return self._answer(
-            lambda: self._talk.question(build), lambda number: self._talk.answer(number, answer_type)
+            lambda: self._talk.question(build),
+            lambda number: self._talk.answer(number, answer_type),
         )
 
     def _answer(self, question: Callable[[], Tuple[int, bytes]], answer: Callable[[int], _T]) -> _T:
@@ -222,7 +232,9 @@ class Client:
             )
 
     def _send(self, lines: bytes) -> None:
-        """With `_sending` held. Over a broken connection nothing: what matters is said again over the next."""
+        """With `_sending` held. Over a broken connection nothing: what matters is said again over
+        the next.
+        """
         try:
             self._socket.sendall(lines)
         except OSError as error:
@@ -287,7 +299,7 @@ class Client:
             with self._sending:
                 self._socket, self._stream = connection, stream
                 with self._changed:
-                    lines = self._talk.gone_on() if self._talk.end is None else self._talk.encode(protocol.bye())
+                    lines = self._talk.gone_on()
                 self._send(lines)
             return True
         return False
@@ -305,7 +317,9 @@ class Agent(Client):
         return self.welcome.body
 
     def look(self, sensor: str) -> Image:
-        """What one of our body's cameras sees now; ReveError with the server's code if there is no picture."""
+        """What one of our body's cameras sees now; ReveError with the server's code if there is no
+        picture.
+        """
         return self._ask(lambda number: protocol.look(number, sensor), Image)
 
     def act(self, item: Union[str, Item], action: str, /, **arguments: Argument) -> Result:
@@ -319,22 +333,24 @@ class Agent(Client):
     # ---- lock-step ----
 
     def step(self, *acts: Act) -> Perception:
-        """In lock-step: does these things in the next frame and returns what is perceived then, or at the end of a
-        round of several frames. The perception has the `results`.
+        """In lock-step: does these things in the next frame and returns what is perceived then, or
+        at the end of a round of several frames. The perception has the `results`.
         """
         self.ready(*acts)
         return self.observe()
 
     def ready(self, *acts: Act) -> None:
-        """In lock-step: does these things in the next frame, for which the world need not wait any longer."""
+        """In lock-step: does these things in the next frame, for which the world need not wait any
+        longer.
+        """
         with self._sending:
             with self._changed:
                 lines = self._talk.ready(acts)
             self._send(lines)
 
     def observe(self, frame: int = 0) -> Perception:
-        """In lock-step: waits for the perception of that frame or a later one that was not observed yet, after which
-        the world waits for us. The first is that of the frame that we joined in.
+        """In lock-step: waits for the perception of that frame or a later one that was not observed
+        yet, after which the world waits for us. The first is that of the frame that we joined in.
         """
         patience = self._timeout + self._talk.patience()
         while True:
@@ -345,7 +361,8 @@ class Agent(Client):
                     self._send(line)
             with self._changed:
                 self._wait(
-                    lambda: self._talk.has_observation(frame) or self._talk.must_say_ready(), patience
+                    lambda: self._talk.has_observation(frame) or self._talk.must_say_ready(),
+                    patience,
                 )
                 if self._talk.has_observation(frame):
                     return self._talk.observation()
@@ -365,8 +382,8 @@ class Control(Client, Commands[Result]):
         return self._answer(lambda: self._talk.fork(frames), self._talk.foreseen)
 
     def begin_edits(self, edits: Sequence[Tuple[str, str, Argument]]) -> Callable[[], List[Result]]:
-        """As `edit` for each item, property and value. Returns when the server has them all, which it does in the next
-        frame; what is returned waits for the results.
+        """As `edit` for each item, property and value. Returns when the server has them all, which
+        it does in the next frame; what is returned waits for the results.
         """
         with self._sending:
             with self._changed:

@@ -14,7 +14,8 @@ R = TypeVar("R")
 class Commands(ABC, Generic[R]):
     """The commands of the role control. Each has a result.
 
-    While the world is paused, `edit`, `load_law`, `unload_law` and `picture` wait for its next frame.
+    While the world is paused, `edit`, `load_law`, `unload_law` and `picture` wait for its next
+    frame.
     """
 
     def pause(self) -> R:
@@ -30,18 +31,23 @@ class Commands(ABC, Generic[R]):
         return self._command("run")
 
     def snapshot(self, image: str) -> R:
-        """Keeps the world as it is under that name, for `rewind`; the result names the frame it is of."""
+        """Keeps the world as it is under that name, for `rewind`; the result names the frame it is
+        of.
+        """
         return self._command("snapshot", image=image)
 
     def rewind(self, image: Optional[str] = None) -> R:
         """Goes back to a snapshot, or to where the world began, at once, even while it is paused.
 
-        The result names the frame that shows the world as it was. Streams of perceptions begin anew with it.
+        The result names the frame that shows the world as it was. Streams of perceptions begin anew
+        with it.
         """
         return self._command("rewind", **({} if image is None else {"image": image}))
 
     def save(self, file: str) -> R:
-        """Saves the world as it is as a world file of that name, in the folder that the server was given."""
+        """Saves the world as it is as a world file of that name, in the folder that the server was
+        given.
+        """
         return self._command("save", file=file)
 
     def edit(self, item: Union[str, Item], property: str, value: Argument) -> R:

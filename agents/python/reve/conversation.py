@@ -1,4 +1,6 @@
-"""What a client and a server have said to each other: no sockets, no threads. Who shares one holds a lock."""
+"""What a client and a server have said to each other: no sockets, no threads. Who shares one holds
+a lock.
+"""
 
 from __future__ import annotations
 
@@ -56,13 +58,16 @@ class Conversation:
         self._observed_frame = -1
         self._events: Deque[Event] = deque(maxlen=_EVENTS_KEPT)
         self._frame_seen = welcome.frame - 1
-        self._seen_after: List[int] = []  # frames of the events that came after the last one seen whole
+        # Frames of the events that came after the last one seen whole.
+        self._seen_after: List[int] = []
         self._known_already = 0
 
     # ---- asking ----
 
     def question(self, build: Callable[[int], Message]) -> Tuple[int, bytes]:
-        """A message that is answered, by its number, and as it is to be sent; or sent again after a break."""
+        """A message that is answered, by its number, and as it is to be sent; or sent again after a
+        break.
+        """
         self.require_open()
         number = next(self._ids)
         line = self.encode(build(number))
@@ -82,7 +87,8 @@ class Conversation:
         if isinstance(answer, Perception):
             return answer
         if isinstance(answer, Result):
-            raise ReveError(answer.code or "refused", answer.reason or "the server does not look ahead")
+            reason = answer.reason or "the server does not look ahead"
+            raise ReveError(answer.code or "refused", reason)
         raise ProtocolError(f"expected a perception, got {answer}")
 
     def has_answer(self, number: int) -> bool:
@@ -122,7 +128,9 @@ class Conversation:
         if every < 1:
             raise ValueError(f"every is {every}; expected a number of frames, 1 or more")
         if self.welcome.time is not None:
-            raise ReveError("lock-step", "an agent in lock-step perceives its rounds", "use observe or step")
+            raise ReveError(
+                "lock-step", "an agent in lock-step perceives its rounds", "use observe or step"
+            )
         self.require_open()
         number = next(self._ids)
         self._streaming, self._subscription, self._every = True, number, every
@@ -175,8 +183,8 @@ class Conversation:
         return line
 
     def has_observation(self, frame: int) -> bool:
-        """True if there is a perception of that frame or a later one that was not looked at, and the results of what
-        was done for it.
+        """True if there is a perception of that frame or a later one that was not looked at, and
+        the results of what was done for it.
         """
         self._require_lock_step()
         return (
@@ -197,7 +205,9 @@ class Conversation:
         return dataclasses.replace(self._known, results=results)
 
     def must_say_ready(self) -> bool:
-        """True if the round went on without us, and the next one waits while we still wait for results."""
+        """True if the round went on without us, and the next one waits while we still wait for
+        results.
+        """
         return (
             bool(self._doing)
             and self._known is not None
@@ -217,7 +227,9 @@ class Conversation:
 
     def _require_lock_step(self) -> None:
         if self.welcome.time is None:
-            raise ReveError("not-lock-step", "nobody waits for this agent", "connect with time=reve.LockStep()")
+            raise ReveError(
+                "not-lock-step", "nobody waits for this agent", "connect with time=reve.LockStep()"
+            )
 
     # ---- hearing ----
 
@@ -234,7 +246,7 @@ class Conversation:
             raise Disconnected(message.code, message.message, message.hint)
         if isinstance(message, Event):
             self._hear(message)
-        elif isinstance(message, (Perception, Update)) and self._streaming and message.id == self._subscription:
+        elif isinstance(message, (Perception, Update)) and self._is_of_stream(message):
             self._show(message)
         elif isinstance(message, (Perception, Image, Result, Pong, Error)):
             self._answer(message)
@@ -252,6 +264,9 @@ class Conversation:
         """All events up to that frame have come."""
         self._frame_seen = max(self._frame_seen, frame)
         self._seen_after = [f for f in self._seen_after if f > self._frame_seen]
+
+    def _is_of_stream(self, message: Union[Perception, Update]) -> bool:
+        return self._streaming and message.id == self._subscription
 
     def _show(self, message: Union[Perception, Update]) -> None:
         if isinstance(message, Perception):
@@ -286,7 +301,11 @@ class Conversation:
         )
 
     def gone_on(self) -> bytes:
-        """Another connection has been welcomed: what has to be said again over it."""
+        """Another connection has been welcomed: what has to be said again over it, or that we leave
+        if that is over meanwhile.
+        """
+        if self.end is not None:
+            return self.encode(protocol.bye())
         self._known_already = len(self._seen_after)
         lines = b"".join(self._unanswered.values())
         if self._subscription is not None:

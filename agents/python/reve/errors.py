@@ -6,7 +6,8 @@ from typing import Optional
 
 
 class ReveError(Exception):
-    """The server refused a message, or did not answer. `code` is for programs, the rest for people."""
+    """The server refused a message, or did not answer. `code` is for programs, the rest for people.
+    """
 
     def __init__(self, code: str, message: str, hint: Optional[str] = None) -> None:
         super().__init__(f"{code}: {message}" + (f" ({hint})" if hint else ""))

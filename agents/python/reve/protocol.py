@@ -40,7 +40,10 @@ Message = Dict[str, Any]
 
 @dataclass(frozen=True)
 class Limits:
-    """What the server takes from a client: bytes of a line, commands that wait for their result, silence [s], grace [s]."""
+    """What the server takes from a client: bytes of a line, messages in a second (of the clock, or
+    of the world if that goes faster), commands that wait for their result, silence [s] after which
+    it asks whether the client is still there, grace [s] that one can ask for.
+    """
 
     line_bytes: int
     messages_per_second: int
@@ -51,7 +54,9 @@ class Limits:
 
 @dataclass(frozen=True)
 class Ticket:
-    """With the token another connection goes on with the session, that long [s] after the first broke."""
+    """With the token another connection goes on with the session, that long [s] after the first
+    broke.
+    """
 
     token: str
     grace_seconds: float
@@ -68,8 +73,9 @@ class Act:
 
 @dataclass(frozen=True)
 class LockStep:
-    """The world waits for the agent after every `every`th frame, at most `deadline` [s]; if that was not long enough,
-    its body does the `fallback`. With `relations` it perceives what is near, on, inside and touching, too.
+    """The world waits for the agent after every `every`th frame, at most `deadline` [s]; if that
+    was not long enough, its body does the `fallback`. With `relations` it perceives what is near,
+    on, inside and touching, too.
     """
 
     every: int = 1
@@ -80,8 +86,8 @@ class LockStep:
 
 @dataclass(frozen=True)
 class Welcome:
-    """The first answer: who you are in which world. `rate` is its frames per second; only agents have a body.
-    `time` says the rhythm and the deadline that an agent in lock-step has got.
+    """The first answer: who you are in which world. `rate` is its frames per second; only agents
+    have a body. `time` says the rhythm and the deadline that an agent in lock-step has got.
     """
 
     id: Optional[int]
@@ -101,8 +107,8 @@ class Welcome:
 
 @dataclass(frozen=True)
 class Parameter:
-    """What an action takes. What follows the type is given for "number" only: how many, in which unit, and within
-    which bounds each of them, if there are any.
+    """What an action takes. What follows the type is given for "number" only: how many, in which
+    unit, and within which bounds each of them, if there are any.
     """
 
     type: str
@@ -114,9 +120,10 @@ class Parameter:
 
 @dataclass(frozen=True)
 class Item:
-    """One item as perceived. `location` is x, y, z [m] in the world's frame and `orientation` a unit
-    quaternion x, y, z, w; `location` is None for what has no place, or one that we do not sense. `needs` are the
-    capabilities that a body must have for an action, of those that need any; `capabilities` are the item's own.
+    """One item as perceived. `location` is x, y, z [m] in the world's frame and `orientation` a
+    unit quaternion x, y, z, w; `location` is None for what has no place, or one that we do not
+    sense. `needs` are the capabilities that a body must have for an action, of those that need any;
+    `capabilities` are the item's own.
     """
 
     name: str
@@ -130,8 +137,8 @@ class Item:
 
 @dataclass(frozen=True)
 class Perception:
-    """All items that we perceive in one frame; `time` is the world's [s]. In lock-step `results` are those of what
-    was done in the round before, in order.
+    """All items that we perceive in one frame; `time` is the world's [s]. In lock-step `results`
+    are those of what was done in the round before, in order.
     """
 
     id: Optional[int]
@@ -187,7 +194,8 @@ class Update:
 
 @dataclass(frozen=True)
 class Result:
-    """How an act ended: the frame it took effect in, or a code and a reason. True where accepted."""
+    """How an act ended: the frame it took effect in, or a code and a reason. True where accepted.
+    """
 
     id: int
     accepted: bool
@@ -203,10 +211,10 @@ class Result:
 class Image:
     """What a camera saw, row by row from the top; numbers are little-endian.
 
-    `colour` is red, green and blue in sRGB, a byte each; `depth` [m] 32-bit floats along the view, 0 where nothing is
-    in range; `items` 16 bits, 0 for no item, else its place in `names`, from 1. Layers that the camera lacks are None.
-    With numpy: `numpy.frombuffer(image.colour, "u1").reshape(image.height, image.width, 3)`, `"<f4"` for the depth
-    and `"<u2"` for the items.
+    `colour` is red, green and blue in sRGB, a byte each; `depth` [m] 32-bit floats along the view,
+    0 where nothing is in range; `items` 16 bits, 0 for no item, else its place in `names`, from 1.
+    Layers that the camera lacks are None. With numpy: `numpy.frombuffer(image.colour,
+    "u1").reshape(image.height, image.width, 3)`, `"<f4"` for the depth and `"<u2"` for the items.
     """
 
     id: int
@@ -386,7 +394,9 @@ def decode(line: bytes) -> ServerMessage:
         return _message(json.loads(line.decode("utf-8")))
     except (ValueError, KeyError, TypeError, AttributeError) as error:
         shown = line[:200].decode("utf-8", "backslashreplace").rstrip()
-        raise ProtocolError(f"the server sent {shown!r}, which is no message ({error!r})") from error
+        raise ProtocolError(
+            f"the server sent {shown!r}, which is no message ({error!r})"
+        ) from error
 
 
 def decode_packed(message: bytes) -> ServerMessage:
@@ -420,7 +430,8 @@ def _msgpack() -> Any:
         import msgpack
     except ImportError as error:
         raise ReveError(
-            "no-msgpack", "MessagePack needs the package msgpack", "pip install msgpack, or use JSON"
+            "no-msgpack", "MessagePack needs the package msgpack",
+            "pip install msgpack, or use JSON",
         ) from error
     return msgpack
 
@@ -484,7 +495,9 @@ def _change(item: Message) -> Change:
         symbols=item.get("symbols"),
         actions=None if actions is None else {
             action: {
-                name: Parameter(p["type"], p.get("components"), p.get("unit"), p.get("min"), p.get("max"))
+                name: Parameter(
+                    p["type"], p.get("components"), p.get("unit"), p.get("min"), p.get("max")
+                )
                 for name, p in parameters.items()
             }
             for action, parameters in actions.items()

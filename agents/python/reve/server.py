@@ -21,12 +21,17 @@ def serve(
     *options: str,
     launcher: Union[str, "os.PathLike[str]"] = "./reve",
 ) -> Iterator[Tuple[str, int]]:
-    """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server afterwards.
+    """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server
+    afterwards.
 
-    It makes frames as fast as its agents in lock-step go on, and waits an hour for them. `options` are more of those of `./reve serve`, `launcher` is
-    the project's launcher. Raises ReveError if it cannot be run, or with what the server said if that does not start.
+    It makes frames as fast as its agents in lock-step go on, and waits an hour for them. `options`
+    are more of those of `./reve serve`, `launcher` is the project's launcher. Raises ReveError if
+    it cannot be run, or with what the server said if that does not start.
     """
-    command = [os.fspath(launcher), "serve", os.fspath(world), "--port", "0", "--json", "--fast", "--deadline", "3600", *options]
+    command = [
+        os.fspath(launcher), "serve", os.fspath(world), "--port", "0", "--json", "--fast",
+        "--deadline", "3600", *options,
+    ]
     with tempfile.TemporaryFile("w+") as errors:
         process = _start(command, errors)
         assert process.stdout is not None
@@ -36,7 +41,10 @@ def serve(
                 if port is None:
                     process.wait()
                     errors.seek(0)
-                    raise ReveError("no-server", f"`{' '.join(command)}` did not start: {errors.read().strip()}")
+                    raise ReveError(
+                        "no-server",
+                        f"`{' '.join(command)}` did not start: {errors.read().strip()}",
+                    )
                 threading.Thread(target=_drain, args=(events,), daemon=True).start()
                 yield "127.0.0.1", port
             finally:
@@ -50,10 +58,13 @@ def serve(
 
 def _start(command: List[str], errors: IO[str]) -> "subprocess.Popen[str]":
     try:
-        return subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, text=True)
+        return subprocess.Popen(
+            command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=errors, text=True
+        )
     except OSError as error:
         raise ReveError(
-            "no-server", f"cannot run {command[0]}: {error.strerror}", "give the path of the project's `reve` as launcher"
+            "no-server", f"cannot run {command[0]}: {error.strerror}",
+            "give the path of the project's `reve` as launcher",
         ) from error
 
 

@@ -11,29 +11,44 @@ from typing import Any, BinaryIO, Union
 from .errors import Disconnected
 
 Tls = Union[bool, str, ssl.SSLContext]
-"""True for the authorities that this machine trusts, or a file of certificates (PEM) to trust instead."""
+"""True for the authorities that this machine trusts, or a file of certificates (PEM) to trust
+instead.
+"""
 
 _CHUNK = 64 * 1024
 
 
 def secure(connection: socket.socket, host: str, tls: Tls) -> TlsSocket:
-    """Shakes hands with the server and makes sure that it is `host`; Disconnected `tls-failed` if not."""
-    if isinstance(tls, ssl.SSLContext):
-        context = tls
-    else:
-        context = ssl.create_default_context(cafile=tls if isinstance(tls, str) else None)
+    """Shakes hands with the server and makes sure that it is `host`; Disconnected `tls-failed` if
+    not.
+    """
     try:
-        return TlsSocket(connection, context, host)
+        return TlsSocket(connection, trusting(tls), host)
     except socket.timeout:
         raise
     except (ssl.SSLError, EOFError) as error:
-        raise Disconnected(
-            "tls-failed", str(error), "does the server speak TLS, and is its certificate one that you trust?"
-        ) from error
+        raise failed(error) from error
+
+
+def trusting(tls: Tls) -> ssl.SSLContext:
+    """What trusts whom `tls`, which is not False, says."""
+    if isinstance(tls, ssl.SSLContext):
+        return tls
+    return ssl.create_default_context(cafile=tls if isinstance(tls, str) else None)
+
+
+def failed(error: Exception) -> Disconnected:
+    """What to raise from a handshake that failed."""
+    return Disconnected(
+        "tls-failed", str(error),
+        "does the server speak TLS, and is its certificate one that you trust?",
+    )
 
 
 class TlsSocket:
-    """A socket with TLS. One thread may read while others write, which ssl.SSLSocket does not promise."""
+    """A socket with TLS. One thread may read while others write, which ssl.SSLSocket does not
+    promise.
+    """
 
     def __init__(self, connection: socket.socket, context: ssl.SSLContext, host: str) -> None:
         self._socket = connection
@@ -47,7 +62,9 @@ class TlsSocket:
             except ssl.SSLWantReadError:
                 self._flush()
                 if not self._fill():
-                    raise EOFError("the server closed the connection before it was private") from None
+                    raise EOFError(
+                        "the server closed the connection before it was private"
+                    ) from None
             except ssl.SSLError:
                 self._flush()  # the alert that tells the server why
                 raise

@@ -1,4 +1,5 @@
-"""Worlds to learn in: `Environment` for Gymnasium, `reve.gym.parallel.ParallelEnvironment` for PettingZoo.
+"""Worlds to learn in: `Environment` for Gymnasium, `reve.gym.parallel.ParallelEnvironment` for
+PettingZoo.
 
 Needs the package's extra `gym`: `pip install 'agents/python[gym]'`.
 """

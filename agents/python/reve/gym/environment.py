@@ -12,13 +12,15 @@ from .task import Task
 
 
 class Environment(gymnasium.Env[Any, Any]):
-    """An agent's task in a world that waits for it. The world is the environment's own while it is open.
+    """An agent's task in a world that waits for it. The world is the environment's own while it is
+    open.
 
-    `address` is host and port of a server, such as that of `reve.serve(...)`. A step is `frames` frames long, an episode
-    `steps` steps at most. Every episode begins where the world began, changed by the task's `begin`; so the same seed
-    and actions give the same observations, to the bit. `info` holds the world's `time` [s] and
-    the `items` that the agent perceives. With `render_mode` "rgb_array", `render` returns what a `camera` of the world sees:
-    the item that carries it, which is the agent's body or one that the world lends, and the sensor's name.
+    `address` is host and port of a server, such as that of `reve.serve(...)`. A step is `frames`
+    frames long, an episode `steps` steps at most. Every episode begins where the world began,
+    changed by the task's `begin`; so the same seed and actions give the same observations, to the
+    bit. `info` holds the world's `time` [s] and the `items` that the agent perceives. With
+    `render_mode` "rgb_array", `render` returns what a `camera` of the world sees: the item that
+    carries it, which is the agent's body or one that the world lends, and the sensor's name.
     """
 
     metadata: Dict[str, Any] = {"render_modes": RENDER_MODES}

@@ -14,9 +14,11 @@ from .task import Task
 
 
 class ParallelEnvironment(ParallelEnv[str, Any, Any]):
-    """Agents' tasks, by the agents' names, in a world that waits for all of them. As for `Environment`.
+    """Agents' tasks, by the agents' names, in a world that waits for all of them. As for
+    `Environment`.
 
-    An agent whose task is over stays in the world and does nothing until the episode has ended for all.
+    An agent whose task is over stays in the world and does nothing until the episode has ended for
+    all.
     """
 
     metadata: Dict[str, Any] = {"render_modes": RENDER_MODES, "name": "reve_v1"}
@@ -63,7 +65,11 @@ class ParallelEnvironment(ParallelEnv[str, Any, Any]):
     def step(
         self, actions: Dict[str, Any]
     ) -> Tuple[
-        Dict[str, Any], Dict[str, float], Dict[str, bool], Dict[str, bool], Dict[str, Dict[str, Any]]
+        Dict[str, Any],
+        Dict[str, float],
+        Dict[str, bool],
+        Dict[str, bool],
+        Dict[str, Dict[str, Any]],
     ]:
         perceptions = self._stage.step(
             {a: self.tasks[a].act(action) for a, action in actions.items() if a in self.agents}

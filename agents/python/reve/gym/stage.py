@@ -15,7 +15,9 @@ from .task import Task
 Address = Tuple[str, int]
 
 Camera = Tuple[str, str]
-"""The item that carries it, which one of the tasks has as its body or the world lends, and the sensor's name."""
+"""The item that carries it, which one of the tasks has as its body or the world lends, and the
+sensor's name.
+"""
 
 RENDER_MODES: List[str] = ["rgb_array"]
 
@@ -42,7 +44,8 @@ class Stage:
             raise ValueError(f"frames is {frames}; expected 1 or more")
         if render_mode is not None and (render_mode not in RENDER_MODES or camera is None):
             raise ValueError(
-                f"render_mode is {render_mode!r} and camera {camera}; expected {RENDER_MODES} and an item with a camera"
+                f"render_mode is {render_mode!r} and camera {camera}; "
+                f"expected {RENDER_MODES} and an item with a camera"
             )
         self._tasks = tasks
         self._frames = frames
@@ -81,14 +84,20 @@ class Stage:
             return None
         image = self._viewer.look(self._camera[1])
         if image.colour is None:
-            raise ReveError("no-picture", f"the camera {self._camera[1]} of {self._camera[0]} has no colour")
-        return numpy.frombuffer(image.colour, numpy.uint8).reshape(image.height, image.width, 3).copy()
+            raise ReveError(
+                "no-picture", f"the camera {self._camera[1]} of {self._camera[0]} has no colour"
+            )
+        colour = numpy.frombuffer(image.colour, numpy.uint8)
+        return colour.reshape(image.height, image.width, 3).copy()
 
     def reset(self, random: numpy.random.Generator) -> Dict[str, Perception]:
-        """Begins the world anew; what is perceived when the tasks' changes have been made, and a step was done."""
+        """Begins the world anew; what is perceived when the tasks' changes have been made, and a
+        step was done.
+        """
         rewound = self._control.rewind()
         if rewound.frame is None:
-            raise ReveError(rewound.code or "refused", rewound.reason or "the world cannot begin anew")
+            reason = rewound.reason or "the world cannot begin anew"
+            raise ReveError(rewound.code or "refused", reason)
         for agent in self._agents.values():
             agent.observe(rewound.frame)
         self._frame = rewound.frame
@@ -105,13 +114,17 @@ class Stage:
         for name, agent in self._agents.items():
             agent.ready(*acts.get(name, ()))
         self._frame += self._frames
-        return {name: self._perceived(name, agent.observe(self._frame)) for name, agent in self._agents.items()}
+        return {
+            name: self._perceived(name, agent.observe(self._frame))
+            for name, agent in self._agents.items()
+        }
 
     def _perceived(self, name: str, perception: Perception) -> Perception:
         if perception.frame != self._frame:
             raise ReveError(
                 "late",
-                f"the world went on to frame {perception.frame} without agent {name}, which was in frame {self._frame}",
+                f"the world went on to frame {perception.frame} without agent {name}, "
+                f"which was in frame {self._frame}",
                 "serve it with a longer --deadline, or think faster",
             )
         for result in perception.results:

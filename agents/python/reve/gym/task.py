@@ -11,11 +11,15 @@ import numpy
 from ..protocol import Act, Argument, Perception
 
 Edit = Tuple[str, str, Argument]
-"""An item, one of its properties such as `physics.velocity`, and the value it gets, in the property's own unit."""
+"""An item, one of its properties such as `physics.velocity`, and the value it gets, in the
+property's own unit.
+"""
 
 
 class Task(ABC):
-    """What one agent observes, does and is rewarded for. It keeps no state of its own: all it goes by is what is perceived."""
+    """What one agent observes, does and is rewarded for. It keeps no state of its own: all it goes
+    by is what is perceived.
+    """
 
     observation_space: gymnasium.Space[Any]
     action_space: gymnasium.Space[Any]
