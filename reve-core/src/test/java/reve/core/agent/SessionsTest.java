@@ -246,11 +246,9 @@ class SessionsTest {
 
     @Test
     void anAgentWhoseConnectionBreaksKeepsItsBodyAndGoesOn() throws IOException {
-        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
-        room.step();
-        String token = ada.expect("welcome").at("/session/token").stringValue();
+        TestClient ada = room.connect();
+        String token = joinAsAda(ada, 60);
         assertThat(token).matches("[0-9a-f]{32}");
-        ada.expect("event");
         ada.say(WIND_UP.formatted(1)).sync();
         reset(ada);
         room.step();
@@ -274,10 +272,7 @@ class SessionsTest {
     @Test
     void anotherConnectionTakesOverFromOneThatSeemsAlive() throws IOException {
         try (TestClient ada = room.connect(); TestClient again = room.connect()) {
-            ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
-            room.step();
-            String token = ada.expect("welcome").at("/session/token").stringValue();
-            ada.expect("event");
+            String token = joinAsAda(ada, 60);
             again.say(resume("ada", token, 1)).expect("welcome");
             ada.expectBye("resumed");
             room.step();
@@ -296,9 +291,8 @@ class SessionsTest {
 
     @Test
     void whoDoesNotComeBackInTimeLeaves() throws IOException {
-        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':0.05}").sync();
-        room.step();
-        String token = ada.expect("welcome").at("/session/token").stringValue();
+        TestClient ada = room.connect();
+        String token = joinAsAda(ada, 0.05);
         reset(ada);
         room.stepUntil("the body is gone", () -> !room.has("ada"));
         try (TestClient late = room.connect()) {
@@ -309,8 +303,7 @@ class SessionsTest {
     @Test
     void whoIsCutForItsOwnFaultDoesNotStay() throws IOException {
         try (TestClient ada = room.connect()) {
-            ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
-            room.step();
+            joinAsAda(ada, 60);
             for (int i = 0; i < AgentRoom.CONFIG.maxErrors(); i++) {
                 ada.say("nonsense");
             }
@@ -337,12 +330,9 @@ class SessionsTest {
     /** More than a minute of an act in every frame. */
     @Test
     void whoComesBackToABusyWorldIsToldAllThatItMissed() throws IOException {
-        room.world.add(ItemDefinition.named("bell").action(new DeclaredAction("ring", "Once.", List.of(),
-                List.of(new Effect.Raise("rang", "ring")))).build());
-        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
-        room.step();
-        String token = ada.expect("welcome").at("/session/token").stringValue();
-        ada.expect("event");
+        room.world.add(bell());
+        TestClient ada = room.connect();
+        String token = joinAsAda(ada, 60);
         int rings = 4_000;
         try (TestClient bob = room.join("bob")) {
             long joined = room.loop.frame();
@@ -379,12 +369,9 @@ class SessionsTest {
     void randomCutsNeverDoACommandTwice() throws IOException {
         long seed = Seed.of("cuts");
         var random = new Random(seed);
-        room.world.add(ItemDefinition.named("bell").action(new DeclaredAction("ring", "Once.", List.of(),
-                List.of(new Effect.Raise("rang", "ring")))).build());
-        TestClient ada = room.connect().say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
-        room.step();
-        String token = ada.expect("welcome").at("/session/token").stringValue();
-        ada.expect("event");
+        room.world.add(bell());
+        TestClient ada = room.connect();
+        String token = joinAsAda(ada, 60);
         long frameSeen = 1;
         int commands = CUT_COMMANDS;
         var open = new TreeSet<Integer>();
@@ -423,6 +410,21 @@ class SessionsTest {
     }
 
     // ---- helpers ----
+
+    /** Something that tells when it is rung. */
+    private static ItemDefinition bell() {
+        return ItemDefinition.named("bell").action(new DeclaredAction("ring", "Once.", List.of(),
+                List.of(new Effect.Raise("rang", "ring")))).build();
+    }
+
+    /** Has a client join; takes one frame. @return the token that another connection goes on with */
+    private String joinAsAda(TestClient client, double graceSeconds) throws IOException {
+        client.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':" + graceSeconds + "}").sync();
+        room.step();
+        String token = client.expect("welcome").at("/session/token").stringValue();
+        client.expect("event");
+        return token;
+    }
 
     private TestClient guest(String name, String role) throws IOException {
         TestClient client = room.connect();
