@@ -1,7 +1,5 @@
 #include "deferred_writes.hpp"
 
-#include <algorithm>
-
 namespace vesper {
 namespace {
 

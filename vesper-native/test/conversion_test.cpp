@@ -1,5 +1,4 @@
 // Laws that declare units of another scale than the prototype's.
-#include <cmath>
 #include <random>
 
 #include "kernels.hpp"

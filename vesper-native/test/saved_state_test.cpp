@@ -1,8 +1,6 @@
 // Saving what lives in the engine, and going on from it.
 #include <algorithm>
 #include <cmath>
-#include <cstring>
-#include <string>
 
 #include "test_kit.hpp"
 

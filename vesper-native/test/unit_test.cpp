@@ -1,6 +1,5 @@
 // Units as text.
 #include <array>
-#include <cmath>
 #include <cstring>
 #include <map>
 #include <numbers>

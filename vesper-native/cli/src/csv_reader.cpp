@@ -1,7 +1,6 @@
 #include "csv_reader.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <span>
 
 #include "csv.hpp"

@@ -1,7 +1,6 @@
 #include "scene.hpp"
 
 #include <array>
-#include <cmath>
 #include <ranges>
 #include <span>
 

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <span>
 
 #include "exit_code.hpp"
 #include "text_table.hpp"

@@ -1,6 +1,5 @@
 // What a law claims: conservation, symmetry, and forces that derive from an energy.
 #include <cmath>
-#include <span>
 
 #include "subject.hpp"
 
