@@ -22,7 +22,7 @@ final class ItemEdit {
         try {
             switch (path[0]) {
                 case "physical" -> setPhysical(item, path[1], edit.value());
-                case "physics" -> item.physics().set(path[1], numbers(edit.value()));
+                case "physics" -> item.physics().set(path[1], numbers(item, edit.property(), edit.value()));
                 case "semantic" -> item.semantic().set(path[1], edit.value());
                 default -> throw noSuchProperty(edit.property());
             }
@@ -34,14 +34,14 @@ final class ItemEdit {
     private static void setPhysical(Item item, String property, Object value) throws ActionRefused {
         switch (property) {
             case "location" -> {
-                double[] at = numbers(value, 3);
+                double[] at = numbers(item, property, value, 3);
                 item.physical().setLocation(at[0], at[1], at[2]);
             }
             case "orientation" -> {
-                double[] turn = numbers(value, 4);
+                double[] turn = numbers(item, property, value, 4);
                 item.physical().setOrientation(turn[0], turn[1], turn[2], turn[3]);
             }
-            case "colour" -> item.physical().setColour(Colour.parse(String.valueOf(value)));
+            case "colour" -> item.physical().setColour(colour(item, value));
             default -> throw noSuchProperty("physical." + property);
         }
     }
@@ -51,19 +51,29 @@ final class ItemEdit {
                 + "; expected physical.location, physical.orientation, physical.colour, physics.NAME or semantic.NAME");
     }
 
-    private static double[] numbers(Object value, int count) {
-        double[] numbers = numbers(value);
+    private static Colour colour(Item item, Object value) {
+        try {
+            return Colour.parse(String.valueOf(value));
+        } catch (IllegalArgumentException e) {
+            throw new IllegalArgumentException("item " + item.name() + ": " + e.getMessage(), e);
+        }
+    }
+
+    private static double[] numbers(Item item, String property, Object value, int count) {
+        double[] numbers = numbers(item, property, value);
         if (numbers.length != count) {
-            throw new IllegalArgumentException("found " + numbers.length + " numbers, expected " + count);
+            throw new IllegalArgumentException("item " + item.name() + ": " + property + " is " + numbers.length
+                    + " numbers, expected " + count);
         }
         return numbers;
     }
 
-    private static double[] numbers(Object value) {
+    private static double[] numbers(Item item, String property, Object value) {
         return switch (value) {
             case Double number -> new double[] {number};
             case List<?> list -> list.stream().mapToDouble(number -> (Double) number).toArray();
-            default -> throw new IllegalArgumentException("found " + value + ", expected numbers");
+            default -> throw new IllegalArgumentException("item " + item.name() + ": " + property + " is "
+                    + (value instanceof String text ? Text.quote(text) : value) + ", expected numbers");
         };
     }
 }

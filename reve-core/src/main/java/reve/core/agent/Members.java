@@ -99,7 +99,8 @@ public final class Members {
             return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
         } catch (ActionRefused e) {
             return e.code().equals(ACTION_FAILED) ? new Outcome.Failed(frame, e)
-                    : new Outcome.Refused(frame, e.code(), e.getMessage(), Optional.empty());
+                    : new Outcome.Refused(frame, e.code(), Text.visible(String.valueOf(e.getMessage())),
+                            Optional.empty());
         } catch (RuntimeException e) {
             return new Outcome.Failed(frame, e);
         }

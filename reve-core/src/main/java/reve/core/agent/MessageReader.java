@@ -359,7 +359,7 @@ final class MessageReader {
         }
 
         private static String show(JsonNode field) {
-            return Text.quote(field.toString());
+            return field.isString() ? Text.quote(field.stringValue()) : Text.show(field.toString());
         }
     }
 }

@@ -25,14 +25,35 @@ final class Text {
     /** In quotes, at most 64 characters of it, everything that is not plainly visible escaped. */
     static String quote(String text) {
         var out = new StringBuilder(text.length() + 2).append('"');
-        text.codePoints().limit(SHOWN).forEach(c -> append(out, c));
-        return out.append(text.codePointCount(0, text.length()) > SHOWN ? "…\"" : "\"").toString();
+        text.codePoints().limit(SHOWN).forEach(c -> {
+            if (c == '"' || c == '\\') {
+                out.append('\\');
+            }
+            append(out, c);
+        });
+        return out.append(isLong(text) ? "…\"" : "\"").toString();
+    }
+
+    /** At most 64 characters of what is no text of its own, such as a number or a list; escaped in the same way. */
+    static String show(String value) {
+        var out = new StringBuilder(value.length());
+        value.codePoints().limit(SHOWN).forEach(c -> append(out, c));
+        return out.append(isLong(value) ? "…" : "").toString();
+    }
+
+    /** All of a message that may hold what a client sent, with what is not plainly visible escaped. */
+    static String visible(String message) {
+        var out = new StringBuilder(message.length());
+        message.codePoints().forEach(c -> append(out, c));
+        return out.toString();
+    }
+
+    private static boolean isLong(String text) {
+        return text.codePointCount(0, text.length()) > SHOWN;
     }
 
     private static void append(StringBuilder out, int c) {
-        if (c == '"' || c == '\\') {
-            out.append('\\').append((char) c);
-        } else if (isVisible(c)) {
+        if (isVisible(c)) {
             out.appendCodePoint(c);
         } else {
             out.append("\\u{").append(Integer.toHexString(c)).append('}');

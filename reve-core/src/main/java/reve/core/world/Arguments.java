@@ -113,7 +113,7 @@ public final class Arguments {
         }
         if (list.size() != parameter.components()) {
             throw new ActionRefused("wrong-components", subject(action, parameter) + " takes "
-                    + parameter.expectation() + ", found " + list.size());
+                    + parameter.expectation() + ", found " + list.size() + " numbers");
         }
         double[] numbers = new double[list.size()];
         for (int i = 0; i < numbers.length; i++) {

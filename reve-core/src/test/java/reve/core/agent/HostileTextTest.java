@@ -11,6 +11,12 @@ import java.util.Random;
 import org.junit.jupiter.api.Test;
 import org.slf4j.LoggerFactory;
 import reve.core.Seed;
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.access.Operand;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Parameter;
+import reve.core.world.Shape;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
@@ -68,14 +74,18 @@ class HostileTextTest {
     }
 
     private void act(AgentRoom room) throws IOException {
+        Parameter colour = Parameter.text("colour", "Which one.");
+        room.world.add(ItemDefinition.named("sign").shape(Shape.sphere(1)).action(new DeclaredAction("paint", "Paints it.",
+                List.of(colour), List.of(new Effect.SetColour(new Operand.Argument(colour))))).build());
         try (TestClient ada = room.join("ada")) {
             int atOnce = AgentRoom.CONFIG.actsInFlight();
             for (int id = 0; id < TEXTS; id += atOnce) {
                 for (int i = 0; i < atOnce; i++) {
-                    String act = switch (random.nextInt(4)) {
+                    String act = switch (random.nextInt(5)) {
                         case 0 -> "\"item\":" + text() + ",\"action\":\"push\"";
                         case 1 -> "\"item\":\"duck\",\"action\":" + text();
                         case 2 -> "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{" + text() + ":1}";
+                        case 3 -> "\"item\":\"sign\",\"action\":\"paint\",\"arguments\":{\"colour\":" + text() + "}";
                         default -> "\"item\":\"duck\",\"action\":\"push\",\"arguments\":{\"impulse\":" + text() + "}";
                     };
                     ada.send(("{\"t\":\"act\",\"id\":" + (id + i) + "," + act + "}\n").getBytes());

@@ -114,7 +114,7 @@ class MessagesTest {
     void aBadFieldIsNamedWithWhatWasFoundAndExpectedAndTheIdIsKept() {
         assertThatThrownBy(() -> read("{\"t\":\"perceive\",\"id\":12,\"every\":\"often\"}"))
                 .isInstanceOfSatisfying(BadMessage.class, e -> assertThat(e.error()).isEqualTo(
-                        new ServerMessage.Error(12, "bad-field", "the field every is \"\\\"often\\\"\"",
+                        new ServerMessage.Error(12, "bad-field", "the field every is \"often\"",
                                 "expected an integer from 0 to 1000000")));
     }
 

@@ -135,9 +135,9 @@ class SessionsTest {
         "duck | physical.smell | 1 | no-such-property | physical.smell",
         "duck | physics.smell | 1 | edit-refused | smell",
         "duck | physics.velocity | [1,2] | edit-refused | velocity",
-        "duck | physics.mass | 'heavy' | edit-refused | heavy",
-        "duck | physical.location | [1,2] | edit-refused | expected 3",
-        "duck | physical.colour | 'red' | edit-refused | red",
+        "duck | physics.mass | 'heavy' | edit-refused | item duck: physics.mass is \"heavy\", expected numbers",
+        "duck | physical.location | [1,2] | edit-refused | item duck: location is 2 numbers, expected 3",
+        "duck | physical.colour | 'red' | edit-refused | item duck: colour \"red\": expected #rrggbb",
         "duck | semantic.name | 'swan' | edit-refused | name",
     })
     void anEditThatDoesNotFitIsRefusedWithAReason(String item, String property, String value, String code,

@@ -75,11 +75,11 @@ class ArgumentsTest {
     @Test
     void refusesTheWrongNumberOfComponents() {
         refused("impulse", List.of(1, 2), "wrong-components",
-                "`impulse` of action act takes 3 numbers in N*s, found 2");
+                "`impulse` of action act takes 3 numbers in N*s, found 2 numbers");
         refused("count", List.of(1, 2), "wrong-components",
-                "`count` of action act takes a number, found 2");
+                "`count` of action act takes a number, found 2 numbers");
         refused("count", List.of(), "wrong-components",
-                "`count` of action act takes a number, found 0");
+                "`count` of action act takes a number, found 0 numbers");
     }
 
     @Test
