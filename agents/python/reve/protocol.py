@@ -410,13 +410,19 @@ def decode_packed(message: bytes) -> ServerMessage:
 
 
 def read(stream: BinaryIO) -> Optional[ServerMessage]:
-    """The next message of a connection, in either encoding; None at its end."""
+    """The next message of a connection, in either encoding; None where it has ended, be that
+    within a message.
+    """
     first = stream.read(1)
     if not first:
         return None
     if first != b"\0":
-        return decode(first + stream.readline())
-    length = int.from_bytes(first + stream.read(3), "big")
+        line = first + stream.readline()
+        return decode(line) if line.endswith(b"\n") else None
+    rest = stream.read(3)
+    if len(rest) < 3:
+        return None
+    length = int.from_bytes(rest, "big")
     message = stream.read(length)
     return decode_packed(message) if len(message) == length else None
 

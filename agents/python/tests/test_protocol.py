@@ -153,6 +153,15 @@ class ProtocolTest(unittest.TestCase):
         with self.assertRaises(ValueError):
             protocol.encode(protocol.act(1, "duck", "push", {"impulse": [0.0, math.nan]}), protocol.MSGPACK)
 
+    def test_a_connection_that_ends_within_a_message_has_ended_there(self):
+        pong = {"t": "pong", "id": 1}
+        for encoding in (protocol.JSON, protocol.MSGPACK) if msgpack else (protocol.JSON,):
+            whole = protocol.encode(pong, encoding)
+            for length in range(len(whole)):
+                with self.subTest(encoding=encoding, length=length):
+                    self.assertIsNone(protocol.read(io.BytesIO(whole[:length])))
+            self.assertEqual(protocol.read(io.BytesIO(whole)), protocol.Pong(1))
+
     def test_updates_add_up(self):
         messages = [protocol.decode(json.dumps(m).encode()) for m in vectors("server.jsonl")]
         first = next(m for m in messages if isinstance(m, reve.Perception) and m.id == 2)
