@@ -32,6 +32,7 @@
 namespace {
 
 constexpr double kWarmUpSeconds = 1.5;
+constexpr double kSliceSeconds = 0.5;
 constexpr double kFrameSeconds = 1.0 / 60;
 constexpr size_t kReadBytes = 1 << 16;
 
@@ -219,7 +220,9 @@ class Load {
     const double end = begin + wanted_.seconds;
     double cpu = 0;
     double now = Now();
+    slice_begun_ = now;
     for (bool counting = false; now < end; now = Now()) {
+      if (now - slice_begun_ >= kSliceSeconds) EndSlice(now);
       if (!counting && now >= begin) {
         counting = true;
         samples_.clear();
@@ -233,6 +236,12 @@ class Load {
   }
 
  private:
+  void EndSlice(double now) {
+    slices_.push_back(double(slice_count_) / (now - slice_begun_));
+    slice_begun_ = now;
+    slice_count_ = 0;
+  }
+
   void Begin(Client& client, double now) {
     client.since = now;
     echo_.empty() ? client.Act() : client.Send(echo_);
@@ -243,6 +252,7 @@ class Load {
     const double now = Now();
     const int whole = echo_.empty() ? client.TakePerceptions() : client.TakeEcho(echo_.size());
     if (whole == 0) return;
+    slice_count_++;
     const double sample = now - client.since;
     if (client.since > 0) samples_.push_back(float(sample));
     if (wanted_.mode == "stream") {
@@ -290,8 +300,14 @@ class Load {
       p99 = Quantile(0.99) * 1e6;
     }
     std::printf("{\"perSecond\":%.1f,\"medianMicros\":%.1f,\"p99Micros\":%.1f,"
-                "\"bytesPerClientSecond\":%.0f,\"clientProcessors\":%.3f}\n",
+                "\"bytesPerClientSecond\":%.0f,\"clientProcessors\":%.3f,\"slices\":[",
                 rate, median, p99, double(bytes_) / seconds / clients, cpu / seconds);
+    const char* separator = "";
+    for (const double slice : slices_) {
+      std::printf("%s%.0f", separator, slice);
+      separator = ",";
+    }
+    std::printf("]}\n");
   }
 
   Wanted wanted_;
@@ -300,6 +316,9 @@ class Load {
   std::vector<float> samples_;
   uint64_t bytes_ = 0;
   double begun_ = 0;
+  std::vector<double> slices_;  ///< Samples a second in each half second since the beginning.
+  double slice_begun_ = 0;
+  uint64_t slice_count_ = 0;
   int epoll_ = -1;
 };
 
