@@ -138,7 +138,8 @@ void Measure(const std::string& laws, uint32_t threads, double spacing) {
 
 int main(int argc, char** argv) {
   if (argc < 4) {
-    std::fprintf(stderr, "usage: icosahedra_bench FOLDER_OF_LAWS si-f32|si-f64 THREADS [SPACING]\n");
+    std::fprintf(stderr,
+                 "usage: icosahedra_bench FOLDER_OF_LAWS si-f32|si-f64 THREADS [SPACING]\n");
     return 2;
   }
   const auto threads = static_cast<uint32_t>(std::atoi(argv[3]));

@@ -2,8 +2,8 @@
 //   gravitation_bench FOLDER_OF_LAWS f32|f64 SOFTENING POSITIONS RESULT SIDE...
 // POSITIONS: a file of (bodies x 3) doubles [m]. SIDE: "kernel", or a law and perhaps one of its
 // parameters, "barnes_hut_gravitation theta=0.5". Each line of input, "SIDE CALLS" with the number
-// of a side, is answered with the seconds that a call took on the wall and of processor time. At the
-// end of its input writes (sides x bodies x 3) doubles, the accelerations, to RESULT.
+// of a side, is answered with the seconds that a call took on the wall and of processor time. At
+// the end of its input writes (sides x bodies x 3) doubles, the accelerations, to RESULT.
 #include <cstdlib>
 #include <exception>
 #include <fstream>

@@ -38,7 +38,8 @@ struct Balls {
     for (int i = 0; i < count; ++i) {
       mass.push_back(1);
       radius.push_back(0.5f);
-      const float x = place(i % side), y = 0.6f + place(i / side / side), z = place(i / side % side);
+      const float x = place(i % side), z = place(i / side % side);
+      const float y = 0.6f + place(i / side / side);
       position.insert(position.end(), {x, y, z});
       inertia.insert(inertia.end(), {0.1f, 0.1f, 0.1f});
       orientation.insert(orientation.end(), {0, 0, 0, 1});

@@ -115,7 +115,8 @@ void Measure(uint32_t side, uint32_t threads, const char* laws) {
   const auto precisions = bench::SideBySide([&] { wide.Advance(); }, [&] { grid.Advance(); });
   const double springs = 1e-6 * static_cast<double>(cloth.ends.size());
   std::printf("| %.0f | %s | %.0f | %.0f | %.2f | %.2f | %.2f | %.0f | %.1f |\n", 1e6 * springs,
-              threads == 1 ? "1 thread" : "2 threads", kSteps * springs / beside.a.wall, kSteps * springs / beside.b.wall,
+              threads == 1 ? "1 thread" : "2 threads", kSteps * springs / beside.a.wall,
+              kSteps * springs / beside.b.wall,
               beside.b.wall / beside.a.wall, beside.b.processor / beside.a.processor,
               orders.b.wall / orders.a.wall, springs / precisions.a.wall,
               std::max({beside.foreign, orders.foreign, precisions.foreign}));
