@@ -32,8 +32,8 @@ enum class ReciprocalRoot {
  *
  *      sum over j of weight_i weight_j (x_j - x_i) / (|x_j - x_i|^2 + softening2)^(3/2)
  *
- *  with an error of some roundings. softening2 > 0; where it alone is left, its power -3/2 times two
- *  weights must be a number. sums: (count). */
+ *  with an error of some roundings. softening2 > 0; where it alone is left, its power -3/2 times
+ *  two weights must be a number. sums: (count). */
 template <class Real>
 void SumPairs(InstructionSet set, ReciprocalRoot root, const BodyPacket<Real>* bodies,
               uint64_t rows, uint64_t count, Real softening2, SumPacket<Real>* sums);

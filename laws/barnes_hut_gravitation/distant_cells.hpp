@@ -11,8 +11,8 @@
 
 namespace vesper::barnes_hut {
 
-/// Sums cells on a group in double: twice as fast in single precision, about the group's centre. The
-/// rounding, 1e-6 of a cell's pull at most, is far below what its expansion leaves out.
+/// Sums cells on a group in double: twice as fast in single precision, about the group's centre.
+/// The rounding, 1e-6 of a cell's pull at most, is far below what its expansion leaves out.
 class DistantCells {
  public:
   /// The group fills `box` and outlives this, which adds to its sums; softening2 [tree's length^2].

@@ -83,8 +83,8 @@ class Octree {
   uint32_t Row(uint64_t k) const { return items_[k].row; }
 
   /// Walks down until cells look small from everywhere in the box: reach <= theta * distance. Calls
-  /// far(cell index, distance^2) for those, and near(run of bodies) for leaves that are too close or
-  /// hold one body.
+  /// far(cell index, distance^2) for those, and near(run of bodies) for leaves that are too close
+  /// or hold one body.
   template <class Far, class Near>
   void Walk(const Box<Real>& from, Real theta2, const Far& far, const Near& near) const {
     for (uint32_t c = 0; c < cells_.size();) {

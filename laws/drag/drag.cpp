@@ -11,7 +11,8 @@ constexpr uint64_t kGrain = 16384;
 template <class Real>
 struct Drag {
   static constexpr auto kName = "drag", kVersion = "1.0.0";
-  static constexpr auto kDoc = "Linear and quadratic drag in a medium at rest, F = -(c1 + c2 |v|) v.";
+  static constexpr auto kDoc =
+      "Linear and quadratic drag in a medium at rest, F = -(c1 + c2 |v|) v.";
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kTranslation | kRotation;
 

@@ -79,7 +79,8 @@ struct HookeSpring {
   }
 
  private:
-  /** A column as it was when it was copied, by rows and by slots; all are empty if there is none. */
+  /** A column as it was when it was copied, by rows and by slots; all are empty if there is
+   *  none. */
   struct Copied {
     const Real* column = nullptr;
     uint64_t version = 0;
@@ -122,8 +123,8 @@ struct HookeSpring {
     copy.version = column.version();
   }
 
-  /** Copies the column again if it was edited: reading the rows one after the other to see that costs
-   *  little next to reading them in another order. */
+  /** Copies the column again if it was edited: reading the rows one after the other to see that
+   *  costs little next to reading them in another order. */
   void Update(Copied& copy, const Step& step) {
     const uint64_t count = copy.column != nullptr ? endpoints.size() : 0;
     if (copy.rows.size() != count || Differ(copy, step)) {

@@ -275,7 +275,8 @@ TYPED_TEST(HookeSpringTest, ValuesEditedInPlaceActInTheNextStep) {
   }
 }
 
-/// A network that a client edits in place, makes longer and shorter, and its forces by the equation.
+/// A network that a client edits in place, makes longer and shorter, and its forces by the
+/// equation.
 template <class Real>
 class EditedNetwork {
  public:

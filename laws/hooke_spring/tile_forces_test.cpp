@@ -81,7 +81,8 @@ struct Network {
       if (distance == 0) continue;
       const Vec3<double> direction = axis * (1 / distance);
       double pull = double{hooke[s]} * (distance - double{length[s]});
-      if (damped) pull += double{damping[s]} * Dot(Wide(velocity[b]) - Wide(velocity[a]), direction);
+      const Vec3<double> parting = Wide(velocity[b]) - Wide(velocity[a]);
+      if (damped) pull += double{damping[s]} * Dot(parting, direction);
       sums[a] += direction * pull;
       sums[b] -= direction * pull;
     }

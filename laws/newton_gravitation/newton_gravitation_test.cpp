@@ -181,7 +181,8 @@ TYPED_TEST(NewtonGravitationTest, FastModeMovesAClusterAsTheDefaultDoes) {
   exact.MakeEngine("newton_motion").Advance(1.0 / 240, 240);
   fast.MakeEngine("newton_motion", 1).Advance(1.0 / 240, 240);
   for (uint64_t i = 0; i < exact.mass.size(); ++i) {
-    EXPECT_NEAR(Length(fast.Place(i) - exact.Place(i)), 0, Rounding<TypeParam>(200)) << "body " << i;
+    EXPECT_NEAR(Length(fast.Place(i) - exact.Place(i)), 0, Rounding<TypeParam>(200))
+        << "body " << i;
   }
   EXPECT_LT(Length(fast.Momentum() - momentum), Rounding<TypeParam>(20000));
   EXPECT_LT(Length(fast.AngularMomentum() - angular), Rounding<TypeParam>(200000));

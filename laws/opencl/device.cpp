@@ -18,7 +18,8 @@ struct Found {
   cl_device_type type;
 };
 
-/** The devices of all platforms, in the order in which the platforms and their devices are listed. */
+/** The devices of all platforms, in the order in which the platforms and their devices are
+ *  listed. */
 std::vector<Found> FindDevices(const Api& api) {
   std::vector<Found> found;
   cl_uint platform_count = 0;

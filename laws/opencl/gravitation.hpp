@@ -12,7 +12,8 @@ namespace vesper::opencl {
 template <class Real>
 struct OpenClGravitation {
   static constexpr auto kName = "opencl_gravitation", kVersion = "1.0.0";
-  static constexpr auto kDoc = "Newton's gravitation between all pairs of bodies, on an OpenCL device.";
+  static constexpr auto kDoc =
+      "Newton's gravitation between all pairs of bodies, on an OpenCL device.";
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kTranslation | kRotation;
   using Suite = opencl::Suite;

@@ -6,7 +6,8 @@
 
 namespace vesper::opencl {
 
-/** Puts masses and positions on the OpenCL device of its suite whenever somebody else wrote them. */
+/** Puts masses and positions on the OpenCL device of its suite whenever somebody else wrote
+ *  them. */
 template <class Real>
 struct OpenClSetup {
   static constexpr auto kName = "opencl_setup", kVersion = "1.0.0";

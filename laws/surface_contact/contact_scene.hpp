@@ -60,8 +60,8 @@ struct ContactScene : Scene<Real> {
 
   /// Gravity as on a slope that falls along +x.
   void Tilt(double angle, double g) {
-    this->gravity = {static_cast<Real>(g * std::sin(angle)), static_cast<Real>(-g * std::cos(angle)),
-                     0};
+    this->gravity = {static_cast<Real>(g * std::sin(angle)),
+                     static_cast<Real>(-g * std::cos(angle)), 0};
   }
 
   /// Corners at distance 1 from the centre.

@@ -53,7 +53,8 @@ struct Reaction {
 template <class Real>
 struct SurfaceContact {
   static constexpr auto kName = "surface_contact", kVersion = "1.1.0";
-  static constexpr auto kDoc = "Elastic, damped contact with friction of triangle meshes and points.";
+  static constexpr auto kDoc =
+      "Elastic, damped contact with friction of triangle meshes and points.";
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kMomentum | kAngularMomentum | kTranslation | kRotation;
 

@@ -159,7 +159,8 @@ TYPED_TEST(SurfaceContactTest, StiffIcosahedronRollsOverItsEdgeAsARigidBody) {
   const double arm = kMidsphere<double>, inertia = 12 * (2.0 / 3 + arm * arm);
   const auto above_edge = [&] {  // angle of the arm from the direction of gravity
     const auto centre = scene.Centre(body);
-    return std::atan2(double{centre.x} - kHalfEdge<double> / std::sqrt(3), double{centre.y}) + slope;
+    const double beyond_edge = double{centre.x} - kHalfEdge<double> / std::sqrt(3);
+    return std::atan2(beyond_edge, double{centre.y}) + slope;
   };
   const double start = above_edge();
   engine.Advance(2.5e-4, 1600);
@@ -255,7 +256,8 @@ TYPED_TEST(SurfaceContactTest, ForceInsideASolidIsHardnessTimesTheDistanceFromIt
   EXPECT_GT(inside, 200);
 }
 
-// A notch: two sheets that meet in a valley. A point beneath the valley's edge is pushed towards it.
+// A notch: two sheets that meet in a valley. A point beneath the valley's edge is pushed towards
+// it.
 TYPED_TEST(SurfaceContactTest, PointUnderAConcaveEdgeIsPushedTowardsTheEdge) {
   ContactScene<TypeParam> scene;
   scene.AddBody(0, {0, 0, -5});

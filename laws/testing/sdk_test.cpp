@@ -108,7 +108,8 @@ TEST_F(SdkTest, LawLogsThroughTheEngine) {
 TEST_F(SdkTest, LawsOfALibraryShareASuiteForEachEngine) {
   engine_.LoadPhysicsLaw(kSuite);
   std::vector<std::string> log;
-  PhysicsEngine other("si-f64", {.log = [&log](uint32_t, const char* line) { log.push_back(line); }});
+  const auto keep = [&log](uint32_t, const char* line) { log.push_back(line); };
+  PhysicsEngine other("si-f64", {.log = keep});
   other.PropertyProvider().AddPhysicalProperty("externalForce", scene_.external_force);
   other.PropertyProvider().AddPhysicalProperty("acceleration", acceleration_);
   other.LoadPhysicsLaw(kSuite);

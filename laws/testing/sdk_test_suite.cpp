@@ -23,7 +23,8 @@ struct Pusher {
   Parameter push{"push", "Force.", units::newton, 2, -100, 100};
   Parameter charge_push{"chargePush", "Force per coulomb.", {{1, 1, -3, -1, 0, 0, 0}, 0, 1, "N/C"},
                         0.5, 0, 1};
-  /** 0 nowhere, 1 in Bind, 2 in Advance, 3 in ParallelFor, 4 what is no std::exception, 5 in Join. */
+  /** 0 nowhere, 1 in Bind, 2 in Advance, 3 in ParallelFor, 4 what is no std::exception, 5 in
+   *  Join. */
   Parameter throw_in{"throwIn", "Where to throw.", units::one, 0, 0, 5};
 
   OptionalRead<Real> charge{"charge", "body", units::coulomb};
