@@ -1,13 +1,18 @@
 """The client against the real server, in a process of its own, making 240 frames a second."""
 
 import contextlib
+import importlib.util
+import itertools
 import json
+import os
 import socket
 import subprocess
 import sys
 import threading
+import time
 import unittest
 
+from cutter import Cutter
 from support import PACKAGE, java, pond
 
 import reve
@@ -279,6 +284,29 @@ class AgentTest(unittest.TestCase):
                 perception = after
             acted = [e for e in yan.events() if e.type == "acted" and e.fields["agent"] == "yan"]
             self.assertEqual(len(acted), 5)
+
+    def test_every_act_is_done_once_and_told_once_wherever_the_connection_is_cut(self):
+        seed = int(os.environ.get("REVE_TEST_SEED", time.time_ns()))
+        print(f"seed of the cuts: REVE_TEST_SEED={seed}")
+        encodings = ("json", "msgpack") if importlib.util.find_spec("msgpack") else ("json",)
+        paint = reve.Act("duck", "paint", {"colour": "red"})
+        with self.join("eye", role="observer") as eye:
+            for encoding, lock_step in itertools.product(encodings, (None, reve.LockStep(deadline=5.0))):
+                name = f"cut-{encoding}-{'step' if lock_step else 'free'}"
+                with self.subTest(name, seed=seed), Cutter(self.port, seed, 3000) as way, reve.connect(
+                    port=way.port, name=name, encoding=encoding, time=lock_step, grace=20.0
+                ) as agent:
+                    for _ in range(30):
+                        if lock_step:
+                            self.assertTrue(agent.step(paint).results[0])
+                        else:
+                            self.assertTrue(agent.act("duck", "paint", colour="red"))
+                    agent.step() if lock_step else agent.perceive()  # after the events of the last act
+                    eye.perceive()
+                    self.assertGreater(way.cuts, 0)
+                    for who in (agent, eye):
+                        acted = [e for e in who.events() if e.type == "acted" and e.fields["agent"] == name]
+                        self.assertEqual(len(acted), 30)
 
     def test_only_who_is_in_lock_step_steps(self):
         with self.join("zoe") as zoe:
