@@ -84,10 +84,11 @@ public final class AgentServer implements AutoCloseable {
             Optional<AuditLog> audit) throws IOException {
         this.audit = audit;
         this.config = config;
-        this.strangers = new Strangers(config.maxConnections() - config.maxConnections() / 4);
+        int all = config.limits().maxConnections();
+        this.strangers = new Strangers(all - all / 4);
         this.listening = listening;
         this.address = (InetSocketAddress) listening.getLocalAddress();
-        this.loop = new EventLoop(log, new LoopWork(), shortestLimit(config) / CHECKS_PER_DEADLINE);
+        this.loop = new EventLoop(log, new LoopWork(), shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
         // A world in real time has frames to make while agents are served; so have others beside it.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
@@ -95,8 +96,8 @@ public final class AgentServer implements AutoCloseable {
                 .map(port -> new ServedWorld(this, port, helps ? loop : LockStep.Waiting.IDLE)).toList();
     }
 
-    private static long shortestLimit(AgentServerConfig config) {
-        return Stream.of(config.hello(), config.line(), config.idle(), config.write(), config.linger())
+    private static long shortest(AgentTimeouts timeouts) {
+        return Stream.of(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.write(), timeouts.linger())
                 .mapToLong(Duration::toNanos).min().orElseThrow();
     }
 
@@ -127,7 +128,7 @@ public final class AgentServer implements AutoCloseable {
             connections.forEach(connection -> connection.end(Ending.regular("closing", "the server ends")));
         });
         try {
-            if (!loop.join(2 * config.linger().toMillis())) {
+            if (!loop.join(2 * config.timeouts().linger().toMillis())) {
                 loop.stop();
             }
         } catch (InterruptedException e) {
@@ -233,7 +234,7 @@ public final class AgentServer implements AutoCloseable {
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         ServedWorld world = requireWorld(hello.world(), rights);
         requireOpen(hello, role, token, world);
-        if (worlds.stream().mapToInt(ServedWorld::clients).sum() >= config.maxConnections()) {
+        if (worlds.stream().mapToInt(ServedWorld::clients).sum() >= config.limits().maxConnections()) {
             throw full(); // those that wait for their client count, too
         }
         return world.greet(connection, role, hello, token);
@@ -376,7 +377,7 @@ public final class AgentServer implements AutoCloseable {
 
     private void admit(SocketChannel channel) {
         counters.connections.increment();
-        if (connections.size() >= config.maxConnections()) {
+        if (connections.size() >= config.limits().maxConnections()) {
             turnAway(channel, full());
             return;
         }
@@ -402,7 +403,7 @@ public final class AgentServer implements AutoCloseable {
 
     private Ending full() {
         return Ending.cut("too-many-connections",
-                "the server has " + config.maxConnections() + " clients, which is all it takes");
+                "the server has " + config.limits().maxConnections() + " clients, which is all it takes");
     }
 
     private void turnAway(SocketChannel channel, Ending why) {

@@ -24,7 +24,8 @@ final class Connection implements EventLoop.Handler {
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
 
     private final AgentServer server;
-    private final AgentServerConfig config;
+    private final AgentLimits limits;
+    private final AgentTimeouts timeouts;
     private final Counters counters;
     private final Wire wire;
     private final InetSocketAddress address;
@@ -52,12 +53,13 @@ final class Connection implements EventLoop.Handler {
     /** On the event loop. @throws IOException if it is gone already */
     Connection(AgentServer server, Wire wire) throws IOException {
         this.server = server;
-        this.config = server.config();
+        this.limits = server.config().limits();
+        this.timeouts = server.config().timeouts();
         this.counters = server.counters();
         this.wire = wire;
         this.address = wire.peer();
-        this.outbox = new Outbox(config.outboxMessages(), config.outboxBytes(), this::wantToWrite);
-        this.messages = new FrameReader(config, () -> send(new ServerMessage.Ping()));
+        this.outbox = new Outbox(limits.outboxMessages(), limits.outboxBytes(), this::wantToWrite);
+        this.messages = new FrameReader(server.config(), () -> send(new ServerMessage.Ping()));
         this.key = wire.register(server.loop(), this, this::read);
     }
 
@@ -84,8 +86,8 @@ final class Connection implements EventLoop.Handler {
     /** Queues a message for the client; ends the connection if too much is waiting. */
     void send(ServerMessage message) {
         if (!outbox.offer(message.in(encoding))) {
-            end(Ending.cut("too-slow", "more than " + config.outboxMessages() + " messages or "
-                    + config.outboxBytes() + " bytes wait to be read"));
+            end(Ending.cut("too-slow", "more than " + limits.outboxMessages() + " messages or "
+                    + limits.outboxBytes() + " bytes wait to be read"));
         }
     }
 
@@ -141,11 +143,11 @@ final class Connection implements EventLoop.Handler {
     void checkDeadlines(long nowNanos) {
         try {
             if (hasEnded()) {
-                if (nowNanos - endedNanos > config.linger().toNanos()) {
+                if (nowNanos - endedNanos > timeouts.linger().toNanos()) {
                     close();
                 }
-            } else if (isStuck() && nowNanos - unsentSinceNanos > config.write().toNanos()) {
-                end(Ending.cut("too-slow", "a write took longer than " + config.write().toMillis() / 1000.0 + " s"));
+            } else if (isStuck() && nowNanos - unsentSinceNanos > timeouts.write().toNanos()) {
+                end(Ending.cut("too-slow", "a write took longer than " + timeouts.write().toMillis() / 1000.0 + " s"));
                 close();
             } else if (!held) {
                 messages.checkTime(nowNanos);
@@ -259,7 +261,7 @@ final class Connection implements EventLoop.Handler {
         counters.errors.increment();
         send(message.error());
         errors++;
-        if (errors >= config.maxErrors()) {
+        if (errors >= limits.maxErrors()) {
             throw Ending.cut("too-many-errors", errors + " messages were refused");
         }
     }

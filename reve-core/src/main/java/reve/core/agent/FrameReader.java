@@ -15,7 +15,8 @@ final class FrameReader {
     private static final int INITIAL_BYTES = 1024;
     private static final int KEPT_BYTES = 16 * 1024;
 
-    private final AgentServerConfig config;
+    private final AgentLimits limits;
+    private final AgentTimeouts timeouts;
     private final Runnable ping;
     private ByteBuffer buffer = ByteBuffer.allocate(INITIAL_BYTES);
     private int start;
@@ -29,7 +30,8 @@ final class FrameReader {
 
     /** @param ping asks a silent client whether it is still there */
     FrameReader(AgentServerConfig config, Runnable ping) {
-        this.config = config;
+        this.limits = config.limits();
+        this.timeouts = config.timeouts();
         this.ping = ping;
     }
 
@@ -50,10 +52,10 @@ final class FrameReader {
         makeRoom();
         int room = buffer.capacity() - end;
         if (!greeted) {
-            if (helloBytes >= config.helloBytes()) {
-                throw Ending.cut("hello-too-long", "no hello within " + config.helloBytes() + " bytes");
+            if (helloBytes >= limits.helloBytes()) {
+                throw Ending.cut("hello-too-long", "no hello within " + limits.helloBytes() + " bytes");
             }
-            room = (int) Math.min(room, config.helloBytes() - helloBytes);
+            room = (int) Math.min(room, limits.helloBytes() - helloBytes);
         }
         int count = in.read(buffer.limit(end + room).position(end));
         if (count > 0 && !greeted && helloBytes == 0 && buffer.get(end) == TlsWire.HANDSHAKE) {
@@ -95,13 +97,13 @@ final class FrameReader {
             return;
         }
         if (!greeted) {
-            throw Ending.cut("hello-late", "no hello within " + seconds(config.hello().toMillis()));
+            throw Ending.cut("hello-late", "no hello within " + seconds(timeouts.hello().toMillis()));
         }
         if (begun) {
-            throw Ending.cut("line-late", "a line was not complete after " + seconds(config.line().toMillis()));
+            throw Ending.cut("line-late", "a line was not complete after " + seconds(timeouts.line().toMillis()));
         }
         if (pinged) {
-            throw Ending.cut("idle", "no answer to a ping within " + seconds(config.idle().toMillis()));
+            throw Ending.cut("idle", "no answer to a ping within " + seconds(timeouts.idle().toMillis()));
         }
         ping.run();
         pinged = true;
@@ -125,9 +127,9 @@ final class FrameReader {
             return null;
         }
         int length = buffer.limit(end).getInt(start);
-        if (length < 0 || length > config.lineBytes() - Encoding.LENGTH_BYTES) {
+        if (length < 0 || length > limits.lineBytes() - Encoding.LENGTH_BYTES) {
             throw Ending.cut("line-too-long", "a message of " + Integer.toUnsignedString(length)
-                    + " bytes is longer than " + config.lineBytes());
+                    + " bytes is longer than " + limits.lineBytes());
         }
         if (end - start - Encoding.LENGTH_BYTES < length) {
             return null;
@@ -139,8 +141,8 @@ final class FrameReader {
     }
 
     private void makeRoom() throws Ending {
-        if (end - start >= config.lineBytes()) {
-            throw Ending.cut("line-too-long", "a line is longer than " + config.lineBytes() + " bytes");
+        if (end - start >= limits.lineBytes()) {
+            throw Ending.cut("line-too-long", "a line is longer than " + limits.lineBytes() + " bytes");
         }
         byte[] bytes = buffer.array();
         if (start == end) {
@@ -156,12 +158,12 @@ final class FrameReader {
             end -= start;
             start = 0;
         } else if (end == bytes.length) {
-            buffer = ByteBuffer.wrap(Arrays.copyOf(bytes, Math.min(2 * bytes.length, config.lineBytes())));
+            buffer = ByteBuffer.wrap(Arrays.copyOf(bytes, Math.min(2 * bytes.length, limits.lineBytes())));
         }
     }
 
     private long limitNanos(boolean begun) {
-        return (!greeted ? config.hello() : begun ? config.line() : config.idle()).toNanos();
+        return (!greeted ? timeouts.hello() : begun ? timeouts.line() : timeouts.idle()).toNanos();
     }
 
     private static String seconds(long millis) {

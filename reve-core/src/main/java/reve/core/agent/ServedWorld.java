@@ -133,11 +133,13 @@ final class ServedWorld implements AutoCloseable {
     }
 
     Welcome welcome(Session session, ClientMessage.Hello hello, long frame, boolean resumed) {
-        AgentServerConfig config = server.config();
+        AgentLimits limits = server.config().limits();
+        AgentTimeouts timeouts = server.config().timeouts();
+        var told = new Limits(limits.lineBytes(), limits.messagesPerSecond(), limits.actsInFlight(),
+                seconds(timeouts.idle()), seconds(timeouts.grace()));
         return new Welcome(hello.id(), AgentServer.PROTOCOL, session.role(), hello.name(), session.body(),
                 port.world(), frame, port.framesPerSecond(), session.encoding(), session.rhythm(),
-                Optional.ofNullable(session.ticket()), resumed, new Limits(config.lineBytes(), config.messagesPerSecond(),
-                config.actsInFlight(), seconds(config.idle()), seconds(config.grace())));
+                Optional.ofNullable(session.ticket()), resumed, told);
     }
 
     private static double seconds(Duration duration) {

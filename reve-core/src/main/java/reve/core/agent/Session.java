@@ -23,6 +23,7 @@ final class Session {
 
     private final ServedWorld world;
     private final AgentServer server;
+    private final AgentLimits limits;
     private final Counters counters;
     private final String name;
     private final Role role;
@@ -60,22 +61,23 @@ final class Session {
             Optional<AgentToken> token) {
         this.world = world;
         this.server = world.server();
-        AgentServerConfig config = server.config();
+        this.limits = server.config().limits();
+        AgentTimeouts timeouts = server.config().timeouts();
         this.counters = server.counters();
         this.name = hello.name();
         this.role = role;
         this.hello = hello;
-        this.graceSeconds = Math.min(hello.graceSeconds(), config.grace().toMillis() / 1000.0);
+        this.graceSeconds = Math.min(hello.graceSeconds(), timeouts.grace().toMillis() / 1000.0);
         this.token = token;
         this.secret = AgentToken.newSecret();
-        this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * config.idle().toNanos(), EventLog.MAX_BYTES);
-        this.quota = new Quota(config.messagesPerSecond(), world.framesPerSecond(), System.nanoTime(),
+        this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(), EventLog.MAX_BYTES);
+        this.quota = new Quota(limits.messagesPerSecond(), world.framesPerSecond(), System.nanoTime(),
                 world.publisher().published());
         this.looks = new Looks(world, server.log(), toString(), this::show);
         this.connection = connection;
         this.encoding = connection.encoding();
         this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
-                (long) (wanted.deadlineSeconds() * 1e9), config.deadline().toNanos()))).orElse(null);
+                (long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos()))).orElse(null);
         this.perceptions = perceptionsOver(connection);
     }
 
@@ -259,8 +261,9 @@ final class Session {
     /** @throws BadMessage if that message is one too many; it is not taken */
     void require(ClientMessage message) throws BadMessage {
         if (!quota.take(System.nanoTime(), world.publisher().published())) {
-            throw new BadMessage(message.id(), "too-many-messages", "these are more than "
-                    + server.config().messagesPerSecond() + " messages in a second", "wait, then send it again");
+            throw new BadMessage(message.id(), "too-many-messages",
+                    "these are more than " + limits.messagesPerSecond() + " messages in a second",
+                    "wait, then send it again");
         }
     }
 
@@ -344,7 +347,7 @@ final class Session {
      * @return false if it is more than a client is told at once
      */
     boolean answer(ClientMessage.Request request, byte[] line) {
-        if (line.length > server.config().outboxBytes() / 2) {
+        if (line.length > limits.outboxBytes() / 2) {
             return false;
         }
         boolean room;
@@ -364,7 +367,7 @@ final class Session {
         boolean tooMany;
         synchronized (this) {
             known = commands.look(request.id());
-            tooMany = inFlight >= server.config().actsInFlight();
+            tooMany = inFlight >= limits.actsInFlight();
             if (known instanceof CommandLog.Known.Fresh) {
                 inFlight++;
                 commands.begin(request.id());
@@ -374,7 +377,7 @@ final class Session {
             case CommandLog.Known.Fresh fresh -> {
                 if (tooMany) {
                     refuse(request, "too-many-acts",
-                            server.config().actsInFlight() + " commands wait for their result already");
+                            limits.actsInFlight() + " commands wait for their result already");
                 }
                 return !tooMany;
             }

@@ -289,10 +289,11 @@ class AgentAbuseTest {
     /** The protocol's limits, but for how long a bad client may take. */
     private static AgentServerConfig config() {
         AgentServerConfig c = AgentRoom.config(HELLO, SOON, IDLE, SOON);
-        return new AgentServerConfig(c.address(), c.maxConnections(), c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
-                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.messagesPerSecond(), c.actsInFlight(),
-                AgentRoom.CONFIG.outboxMessages(), AgentRoom.CONFIG.outboxBytes(), c.maxErrors(), c.audit(),
-                c.security());
+        AgentLimits l = c.limits();
+        AgentLimits all = AgentLimits.PROTOCOL;
+        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(), l.messagesPerSecond(),
+                l.actsInFlight(), all.outboxMessages(), all.outboxBytes(), l.maxErrors());
+        return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 
     /** Agents that act and perceive, one after the other. @return the median time of both [us] */

@@ -56,7 +56,7 @@ class AgentLimitsTest {
         AgentServerConfig config = AgentRoom.config(NEVER, NEVER, NEVER, NEVER);
         try (AgentRoom room = new AgentRoom(config); TestClient ada = room.join("ada")) {
             String ping = "{\"t\":\"ping\"}";
-            String padded = ping + " ".repeat(config.lineBytes() - ping.length() - 1);
+            String padded = ping + " ".repeat(config.limits().lineBytes() - ping.length() - 1);
             ada.say(padded).expect("pong");
             ada.say(padded + "  ").expectBye("line-too-long");
         }
@@ -273,7 +273,7 @@ class AgentLimitsTest {
 
     @Test
     void whoReadsIsNotCutHoweverMuchHappensInOneFrame() throws IOException {
-        int count = 20 * AgentRoom.CONFIG.outboxMessages();
+        int count = 20 * AgentRoom.CONFIG.limits().outboxMessages();
         try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
             var rings = room.bus.subscribe(FramePhase.ACT, "rings", event -> {
                 for (int i = 0; i < count; i++) {
@@ -349,8 +349,9 @@ class AgentLimitsTest {
     }
 
     private static AgentServerConfig with(AgentServerConfig c, int maxConnections) {
-        return new AgentServerConfig(c.address(), maxConnections, c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
-                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.messagesPerSecond(), c.actsInFlight(), c.outboxMessages(),
-                c.outboxBytes(), c.maxErrors(), c.audit(), c.security());
+        AgentLimits l = c.limits();
+        var limits = new AgentLimits(maxConnections, l.helloBytes(), l.lineBytes(), l.messagesPerSecond(),
+                l.actsInFlight(), l.outboxMessages(), l.outboxBytes(), l.maxErrors());
+        return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 }

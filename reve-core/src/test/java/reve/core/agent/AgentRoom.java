@@ -1,8 +1,6 @@
 package reve.core.agent;
 
 import java.io.IOException;
-import java.net.InetAddress;
-import java.net.InetSocketAddress;
 import java.time.Duration;
 import java.util.List;
 import java.util.Optional;
@@ -93,9 +91,10 @@ final class AgentRoom implements AutoCloseable {
 
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
-        return new AgentServerConfig(new InetSocketAddress(InetAddress.getLoopbackAddress(), 0), 1024, 8192, hello,
-                4096, line, idle, write, Duration.ofMinutes(5), Duration.ofSeconds(10), Duration.ofMillis(500), 10_000_000, 4, 64,
-                64 * 1024, 8, Optional.empty(), AgentSecurity.NONE);
+        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8);
+        var timeouts = new AgentTimeouts(hello, line, idle, write, Duration.ofMinutes(5),
+                Duration.ofSeconds(10), Duration.ofMillis(500));
+        return new AgentServerConfig(CONFIG.address(), limits, timeouts, Optional.empty(), AgentSecurity.NONE);
     }
 
     /** One frame. */

@@ -250,7 +250,7 @@ class AgentServerTest {
     @Test
     void moreActsThanMayBeInFlightAreRefusedAtOnceAndTheOthersAreDone() throws IOException {
         try (TestClient ada = room.join("ada")) {
-            int allowed = AgentRoom.CONFIG.actsInFlight();
+            int allowed = AgentRoom.CONFIG.limits().actsInFlight();
             for (int i = 0; i <= allowed; i++) {
                 ada.say("{'t':'act','id':" + i + ",'item':'duck','action':'wind-up'}");
             }

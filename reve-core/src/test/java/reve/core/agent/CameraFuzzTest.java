@@ -65,7 +65,7 @@ class CameraFuzzTest {
 
         /** Each look that is open may have been refused, and too many refusals end a connection. */
         boolean mayBeCut() {
-            return errors + open.size() >= AgentRoom.CONFIG.maxErrors() - 1;
+            return errors + open.size() >= AgentRoom.CONFIG.limits().maxErrors() - 1;
         }
 
         void embody() {

@@ -14,8 +14,9 @@ import java.util.List;
 public final class DecoderFuzzer {
 
     private static final int MAX_TEXT = 2000;
-    private static final AgentServerConfig CONFIG = AgentRoom.config(AgentRoom.CONFIG.hello(), AgentRoom.CONFIG.line(),
-            AgentRoom.CONFIG.idle(), AgentRoom.CONFIG.write());
+    private static final AgentTimeouts TIMEOUTS = AgentTimeouts.PROTOCOL;
+    private static final AgentServerConfig CONFIG =
+            AgentRoom.config(TIMEOUTS.hello(), TIMEOUTS.line(), TIMEOUTS.idle(), TIMEOUTS.write());
 
     private DecoderFuzzer() {}
 

@@ -78,7 +78,7 @@ class HostileTextTest {
         room.world.add(ItemDefinition.named("sign").shape(Shape.sphere(1)).action(new DeclaredAction("paint", "Paints it.",
                 List.of(colour), List.of(new Effect.SetColour(new Operand.Argument(colour))))).build());
         try (TestClient ada = room.join("ada")) {
-            int atOnce = AgentRoom.CONFIG.actsInFlight();
+            int atOnce = AgentRoom.CONFIG.limits().actsInFlight();
             for (int id = 0; id < TEXTS; id += atOnce) {
                 for (int i = 0; i < atOnce; i++) {
                     String act = switch (random.nextInt(5)) {

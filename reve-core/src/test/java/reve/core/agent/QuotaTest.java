@@ -63,9 +63,10 @@ class QuotaTest {
 
     private static AgentServerConfig config() {
         AgentServerConfig c = AgentRoom.CONFIG;
-        return new AgentServerConfig(c.address(), c.maxConnections(), c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
-                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), PER_SECOND, c.actsInFlight(),
-                c.outboxMessages(), c.outboxBytes(), c.maxErrors(), c.audit(), c.security());
+        AgentLimits l = c.limits();
+        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(), PER_SECOND, l.actsInFlight(),
+                l.outboxMessages(), l.outboxBytes(), l.maxErrors());
+        return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 
     @Test

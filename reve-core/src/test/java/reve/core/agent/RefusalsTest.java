@@ -18,7 +18,7 @@ class RefusalsTest {
     @Test
     void aCommandThatMayHaveBeenDoneLongAgoIsNotDoneAgain() throws IOException {
         try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
-            int atOnce = AgentRoom.CONFIG.actsInFlight();
+            int atOnce = AgentRoom.CONFIG.limits().actsInFlight();
             for (int id = 0; id < REMEMBERED + atOnce; id += atOnce) {
                 for (int i = 0; i < atOnce; i++) {
                     ada.say("{'t':'act','id':" + (id + i) + ",'item':'duck','action':'wind-up'}");

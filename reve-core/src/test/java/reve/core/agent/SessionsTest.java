@@ -304,7 +304,7 @@ class SessionsTest {
     void whoIsCutForItsOwnFaultDoesNotStay() throws IOException {
         try (TestClient ada = room.connect()) {
             joinAsAda(ada, 60);
-            for (int i = 0; i < AgentRoom.CONFIG.maxErrors(); i++) {
+            for (int i = 0; i < AgentRoom.CONFIG.limits().maxErrors(); i++) {
                 ada.say("nonsense");
             }
             ada.skipToBye("too-many-errors");
@@ -337,7 +337,7 @@ class SessionsTest {
         try (TestClient bob = room.join("bob")) {
             long joined = room.loop.frame();
             reset(ada);
-            int atOnce = AgentRoom.CONFIG.actsInFlight();
+            int atOnce = AgentRoom.CONFIG.limits().actsInFlight();
             for (int id = 0; id < rings; ) {
                 for (int i = 0; i < atOnce && id < rings; i++, id++) {
                     bob.say("{'t':'act','id':" + id + ",'item':'bell','action':'ring'}");

@@ -69,9 +69,8 @@ class TlsTest {
     }
 
     private static AgentServerConfig with(AgentServerConfig c, Certificate certificate) throws IOException {
-        return new AgentServerConfig(c.address(), c.maxConnections(), c.helloBytes(), c.hello(), c.lineBytes(), c.line(),
-                c.idle(), c.write(), c.grace(), c.deadline(), c.linger(), c.messagesPerSecond(), c.actsInFlight(), c.outboxMessages(), c.outboxBytes(),
-                c.maxErrors(), c.audit(), new AgentSecurity(Optional.empty(), Optional.of(certificate.tls())));
+        return new AgentServerConfig(c.address(), c.limits(), c.timeouts(), c.audit(),
+                new AgentSecurity(Optional.empty(), Optional.of(certificate.tls())));
     }
 
     private static SSLContext trusting(Certificate certificate) throws Exception {
