@@ -179,15 +179,21 @@ TYPED_TEST(AngularMotionTest, BodyWithAMomentOfZeroKeepsItsBits) {
   EXPECT_EQ(top.angular_velocity, (std::vector<TypeParam>{1, 2, 3}));
 }
 
-TYPED_TEST(AngularMotionTest, BodyOfMassZeroTurnsAboutItsImmovableCentre) {
-  Scene<TypeParam> scene;
-  scene.AddBody(0, {1, 2, 3}, {1, 0, 0});
-  Top<TypeParam> top({1, 1, 1}, {0, 0, 2});
+/// Lets the turning body of `top` move, too, as that of `scene`, which has to outlive it.
+template <class Real>
+void AddMotion(Top<Real>& top, Scene<Real>& scene) {
   PhysicalPropertyProvider provider = top.engine.PropertyProvider();
   provider.AddPhysicalProperty("mass", scene.mass);
   provider.AddPhysicalProperty("position", scene.position);
   provider.AddPhysicalProperty("velocity", scene.velocity);
   provider.AddPhysicalProperty("externalForce", scene.external_force);
+}
+
+TYPED_TEST(AngularMotionTest, BodyOfMassZeroTurnsAboutItsImmovableCentre) {
+  Scene<TypeParam> scene;
+  scene.AddBody(0, {1, 2, 3}, {1, 0, 0});
+  Top<TypeParam> top({1, 1, 1}, {0, 0, 2});
+  AddMotion(top, scene);
   top.engine.LoadPhysicsLaw("newton_motion");
   top.engine.Advance(1.0 / 256, 256);
   EXPECT_EQ(scene.position, (std::vector<TypeParam>{1, 2, 3}));
@@ -198,11 +204,7 @@ TYPED_TEST(AngularMotionTest, TurnsBesideTheIntegratorsOfOneStageAndIsRefusedBes
   Scene<TypeParam> scene;
   scene.AddBody(1, {}, {1, 0, 0});
   Top<TypeParam> top({1, 1, 1}, {0, 0, 2});
-  PhysicalPropertyProvider provider = top.engine.PropertyProvider();
-  provider.AddPhysicalProperty("mass", scene.mass);
-  provider.AddPhysicalProperty("position", scene.position);
-  provider.AddPhysicalProperty("velocity", scene.velocity);
-  provider.AddPhysicalProperty("externalForce", scene.external_force);
+  AddMotion(top, scene);
   EXPECT_THROW(top.engine.LoadPhysicsLaw("runge_kutta4"), Error);
   for (const char* law : {"newton_motion", "velocity_verlet"}) {
     scene.position = {0, 0, 0};

@@ -10,6 +10,8 @@ import java.util.Optional;
  * Where the server listens and what it takes from a client.
  *
  * @param address port 0 takes any free one
+ * @param limits how much it takes from clients, and keeps for them
+ * @param timeouts how long it waits for them
  * @param audit the file to which a record of all that clients are told is appended
  * @param security how clients and server know each other
  */

@@ -39,7 +39,7 @@ class ConnectionFloodTest {
     private volatile boolean over;
 
     @Test
-    void whoIsInStaysAndPerceivesEveryFrameAndTheLogStaysReadable() throws Exception {
+    void whoIsInStaysPerceivesAndActsAndTheLogStaysReadable() throws Exception {
         var log = new ListAppender<ILoggingEvent>();
         log.start();
         var logger = (Logger) LoggerFactory.getLogger("reve.agents");
@@ -87,7 +87,7 @@ class ConnectionFloodTest {
         return room.loop.frame();
     }
 
-    /** Perceives every frame, and acts, until the flood is over. @return frames and the ages [ns] of their perceptions */
+    /** Perceives newer and newer frames, and acts, until the flood is over. @return frames and their ages [ns] in turn */
     private List<Long> ages(TestClient client) throws IOException {
         List<Long> ages = new ArrayList<>();
         try (client) {
