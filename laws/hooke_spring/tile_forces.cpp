@@ -15,9 +15,6 @@ namespace vesper::hooke_spring::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Springs that go through a stage before the next stage begins: each stage alone is short enough
-// for the processor to work on several batches at once.
-constexpr uint64_t kBlock = 64;
 // How far ahead memory is asked for [bytes]. What is read in order is longer than a page, where the
 // processor stops looking ahead.
 constexpr uint64_t kAhead = 1024;
@@ -30,20 +27,14 @@ HWY_INLINE void AskAhead(const T* values, uint64_t count) {
   }
 }
 
-/// From the first to the second end of each spring of a block; then its force on the first end.
-template <class Real>
-struct alignas(64) Block {
-  Real x[kBlock], y[kBlock], z[kBlock];     // [m], then [N]
-  Real vx[kBlock], vy[kBlock], vz[kBlock];  // [m/s]
-};
-
 #if HWY_MAX_BYTES >= 32
-
-/// Vectors of 256 bits, and the four numbers that belong to a body.
+/// Vectors of 256 bits: a body in float, half of one in double.
 template <class Real>
 using Lanes = hn::CappedTag<Real, 32 / sizeof(Real)>;
+#else  // vectors too short to hold a body
 template <class Real>
-using Four = hn::CappedTag<Real, 4>;
+using Lanes = hn::CappedTag<Real, 1>;
+#endif
 template <class Real>
 using V = hn::Vec<Lanes<Real>>;
 
@@ -52,6 +43,18 @@ template <class Real>
 struct Axes {
   V<Real> x, y, z;
 };
+
+/// From the first to the second end of each spring: where, and how fast.
+template <class Real>
+struct Stretch {
+  Axes<Real> way, speed;  // [m], [m/s]
+};
+
+#if HWY_MAX_BYTES >= 32
+
+/// The four numbers that belong to a body.
+template <class Real>
+using Four = hn::CappedTag<Real, 4>;
 
 /// Rows of three numbers, and what is behind them, as columns: per half of the vectors in float.
 HWY_INLINE Axes<float> Transpose(V<float> a, V<float> b, V<float> c, V<float> d) {
@@ -76,92 +79,97 @@ HWY_INLINE V<Real> Difference(const Real* values, uint16_t first, uint16_t secon
   return hn::Sub(hn::Load(l, values + kStride * second), hn::Load(l, values + kStride * first));
 }
 
-/// A batch of springs, into place `at` of the block.
+/// Of the springs between a[i] and b[i], one for each lane; the speed only if damped.
 template <bool damped>
-HWY_INLINE void Take(const uint16_t* a, const uint16_t* b, const Motion<float>* motions,
-                     uint64_t at, Block<float>& block) {
+HWY_INLINE Stretch<float> Take(const uint16_t* a, const uint16_t* b, const Motion<float>* motions) {
   const Lanes<float> l;
   const float* p = motions->position;  // and the velocity in the upper half
-  for (uint64_t i = 0; i < kBatch; i += 8, a += 8, b += 8, at += 8) {
-    const auto low = Transpose(Difference(p, a[0], b[0]), Difference(p, a[1], b[1]),
-                               Difference(p, a[2], b[2]), Difference(p, a[3], b[3]));
-    const auto high = Transpose(Difference(p, a[4], b[4]), Difference(p, a[5], b[5]),
-                                Difference(p, a[6], b[6]), Difference(p, a[7], b[7]));
-    hn::Store(hn::ConcatLowerLower(l, high.x, low.x), l, block.x + at);
-    hn::Store(hn::ConcatLowerLower(l, high.y, low.y), l, block.y + at);
-    hn::Store(hn::ConcatLowerLower(l, high.z, low.z), l, block.z + at);
-    if constexpr (damped) {
-      hn::Store(hn::ConcatUpperUpper(l, high.x, low.x), l, block.vx + at);
-      hn::Store(hn::ConcatUpperUpper(l, high.y, low.y), l, block.vy + at);
-      hn::Store(hn::ConcatUpperUpper(l, high.z, low.z), l, block.vz + at);
-    }
+  const auto low = Transpose(Difference(p, a[0], b[0]), Difference(p, a[1], b[1]),
+                             Difference(p, a[2], b[2]), Difference(p, a[3], b[3]));
+  const auto high = Transpose(Difference(p, a[4], b[4]), Difference(p, a[5], b[5]),
+                              Difference(p, a[6], b[6]), Difference(p, a[7], b[7]));
+  Stretch<float> taken;
+  taken.way = {hn::ConcatLowerLower(l, high.x, low.x), hn::ConcatLowerLower(l, high.y, low.y),
+               hn::ConcatLowerLower(l, high.z, low.z)};
+  if constexpr (damped) {
+    taken.speed = {hn::ConcatUpperUpper(l, high.x, low.x), hn::ConcatUpperUpper(l, high.y, low.y),
+                   hn::ConcatUpperUpper(l, high.z, low.z)};
   }
+  return taken;
 }
 template <bool damped>
-HWY_INLINE void Take(const uint16_t* a, const uint16_t* b, const Motion<double>* motions,
-                     uint64_t at, Block<double>& block) {
-  const Lanes<double> l;
+HWY_INLINE Stretch<double> Take(const uint16_t* a, const uint16_t* b,
+                                const Motion<double>* motions) {
   const double *p = motions->position, *v = motions->velocity;
-  for (uint64_t i = 0; i < kBatch; i += 4) {
-    const auto d = Transpose(Difference(p, a[i], b[i]), Difference(p, a[i + 1], b[i + 1]),
-                             Difference(p, a[i + 2], b[i + 2]), Difference(p, a[i + 3], b[i + 3]));
-    hn::Store(d.x, l, block.x + at + i);
-    hn::Store(d.y, l, block.y + at + i);
-    hn::Store(d.z, l, block.z + at + i);
-    if constexpr (damped) {
-      const auto u =
-          Transpose(Difference(v, a[i], b[i]), Difference(v, a[i + 1], b[i + 1]),
-                    Difference(v, a[i + 2], b[i + 2]), Difference(v, a[i + 3], b[i + 3]));
-      hn::Store(u.x, l, block.vx + at + i);
-      hn::Store(u.y, l, block.vy + at + i);
-      hn::Store(u.z, l, block.vz + at + i);
-    }
+  Stretch<double> taken;
+  taken.way = Transpose(Difference(p, a[0], b[0]), Difference(p, a[1], b[1]),
+                        Difference(p, a[2], b[2]), Difference(p, a[3], b[3]));
+  if constexpr (damped) {
+    taken.speed = Transpose(Difference(v, a[0], b[0]), Difference(v, a[1], b[1]),
+                            Difference(v, a[2], b[2]), Difference(v, a[3], b[3]));
   }
+  return taken;
 }
 
-/// The forces at place `at` of the block.
-HWY_INLINE void Give(const Block<float>& block, uint64_t at, Forces<float>& forces) {
+/// Stores the forces of as many springs as there are lanes.
+HWY_INLINE void Give(const Axes<float>& force, float (*forces)[4]) {
   const Lanes<float> l;
   const auto zero = hn::Zero(l);
-  for (uint64_t i = 0; i < kBatch; i += 8) {
-    const auto x = hn::Load(l, block.x + at + i), y = hn::Load(l, block.y + at + i),
-               z = hn::Load(l, block.z + at + i);
-    const auto xz = hn::InterleaveLower(l, x, z), y0 = hn::InterleaveLower(l, y, zero);
-    const auto xz2 = hn::InterleaveUpper(l, x, z), y02 = hn::InterleaveUpper(l, y, zero);
-    const auto f04 = hn::InterleaveLower(l, xz, y0), f15 = hn::InterleaveUpper(l, xz, y0);
-    const auto f26 = hn::InterleaveLower(l, xz2, y02), f37 = hn::InterleaveUpper(l, xz2, y02);
-    hn::Store(hn::ConcatLowerLower(l, f15, f04), l, forces.value[i]);
-    hn::Store(hn::ConcatLowerLower(l, f37, f26), l, forces.value[i + 2]);
-    hn::Store(hn::ConcatUpperUpper(l, f15, f04), l, forces.value[i + 4]);
-    hn::Store(hn::ConcatUpperUpper(l, f37, f26), l, forces.value[i + 6]);
-  }
+  const auto xz = hn::InterleaveLower(l, force.x, force.z);
+  const auto y0 = hn::InterleaveLower(l, force.y, zero);
+  const auto xz2 = hn::InterleaveUpper(l, force.x, force.z);
+  const auto y02 = hn::InterleaveUpper(l, force.y, zero);
+  const auto f04 = hn::InterleaveLower(l, xz, y0), f15 = hn::InterleaveUpper(l, xz, y0);
+  const auto f26 = hn::InterleaveLower(l, xz2, y02), f37 = hn::InterleaveUpper(l, xz2, y02);
+  hn::Store(hn::ConcatLowerLower(l, f15, f04), l, forces[0]);
+  hn::Store(hn::ConcatLowerLower(l, f37, f26), l, forces[2]);
+  hn::Store(hn::ConcatUpperUpper(l, f15, f04), l, forces[4]);
+  hn::Store(hn::ConcatUpperUpper(l, f37, f26), l, forces[6]);
 }
-HWY_INLINE void Give(const Block<double>& block, uint64_t at, Forces<double>& forces) {
+HWY_INLINE void Give(const Axes<double>& force, double (*forces)[4]) {
   const Lanes<double> l;
-  for (uint64_t i = 0; i < kBatch; i += 4) {
-    const auto x = hn::Load(l, block.x + at + i), y = hn::Load(l, block.y + at + i),
-               z = hn::Load(l, block.z + at + i), zero = hn::Zero(l);
-    const auto xy = hn::InterleaveLower(l, x, y), z0 = hn::InterleaveLower(l, z, zero);
-    const auto xy2 = hn::InterleaveUpper(l, x, y), z02 = hn::InterleaveUpper(l, z, zero);
-    hn::Store(hn::ConcatLowerLower(l, z0, xy), l, forces.value[i]);
-    hn::Store(hn::ConcatLowerLower(l, z02, xy2), l, forces.value[i + 1]);
-    hn::Store(hn::ConcatUpperUpper(l, z0, xy), l, forces.value[i + 2]);
-    hn::Store(hn::ConcatUpperUpper(l, z02, xy2), l, forces.value[i + 3]);
-  }
+  const auto zero = hn::Zero(l);
+  const auto xy = hn::InterleaveLower(l, force.x, force.y);
+  const auto z0 = hn::InterleaveLower(l, force.z, zero);
+  const auto xy2 = hn::InterleaveUpper(l, force.x, force.y);
+  const auto z02 = hn::InterleaveUpper(l, force.z, zero);
+  hn::Store(hn::ConcatLowerLower(l, z0, xy), l, forces[0]);
+  hn::Store(hn::ConcatLowerLower(l, z02, xy2), l, forces[1]);
+  hn::Store(hn::ConcatUpperUpper(l, z0, xy), l, forces[2]);
+  hn::Store(hn::ConcatUpperUpper(l, z02, xy2), l, forces[3]);
+}
+
+/// Of a body before the last row: what is behind its three numbers is read, too.
+template <class Real>
+HWY_INLINE void TakeMotion(const Vec3<Real>& position, const Vec3<Real>& velocity,
+                           Motion<Real>& motion) {
+  const Four<Real> four;
+  hn::Store(hn::LoadU(four, &position.x), four, motion.position);
+  hn::Store(hn::LoadU(four, &velocity.x), four, motion.velocity);
+}
+template <class Real>
+void TakeLastMotion(const Vec3<Real>& p, const Vec3<Real>& v, Motion<Real>& motion) {
+  motion = {{p.x, p.y, p.z, 0}, {v.x, v.y, v.z, 0}};
 }
 
 template <class Real>
 void TakeMotions(const Vec3<Real>* position, const Vec3<Real>* velocity, uint64_t bodies,
                  const uint32_t* rows, uint64_t first, uint64_t count, Motion<Real>* motions) {
-  const Four<Real> four;
+  const uint64_t last = bodies - 1;
+  if (rows == nullptr) {
+    const uint64_t end = std::min(first + count, last);
+    for (uint64_t row = first; row < end; ++row) {
+      TakeMotion(position[row], velocity[row], motions[row - first]);
+    }
+    if (end < first + count) TakeLastMotion(position[last], velocity[last], motions[last - first]);
+    return;
+  }
   for (uint64_t i = 0; i < count; ++i) {
-    const uint64_t row = rows == nullptr ? first + i : rows[i];
-    const Vec3<Real> &p = position[row], &v = velocity[row];
-    if (row + 1 < bodies) {  // nothing may be read behind the last row
-      hn::Store(hn::LoadU(four, &p.x), four, motions[i].position);
-      hn::Store(hn::LoadU(four, &v.x), four, motions[i].velocity);
+    const uint64_t row = rows[i];
+    if (row < last) {
+      TakeMotion(position[row], velocity[row], motions[i]);
     } else {
-      motions[i] = {{p.x, p.y, p.z, 0}, {v.x, v.y, v.z, 0}};
+      TakeLastMotion(position[row], velocity[row], motions[i]);
     }
   }
 }
@@ -200,26 +208,21 @@ void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pu
 #else  // vectors too short to hold a body
 
 template <bool damped, class Real>
-void Take(const uint16_t* a, const uint16_t* b, const Motion<Real>* motions, uint64_t at,
-          Block<Real>& block) {
-  for (uint64_t i = 0; i < kBatch; ++i) {
-    const Motion<Real>&from = motions[a[i]], &to = motions[b[i]];
-    block.x[at + i] = to.position[0] - from.position[0];
-    block.y[at + i] = to.position[1] - from.position[1];
-    block.z[at + i] = to.position[2] - from.position[2];
-    block.vx[at + i] = to.velocity[0] - from.velocity[0];
-    block.vy[at + i] = to.velocity[1] - from.velocity[1];
-    block.vz[at + i] = to.velocity[2] - from.velocity[2];
-  }
+Stretch<Real> Take(const uint16_t* a, const uint16_t* b, const Motion<Real>* motions) {
+  const Motion<Real>&from = motions[*a], &to = motions[*b];
+  const auto difference = [](const Real* first, const Real* second) {
+    const Lanes<Real> l;
+    return Axes<Real>{hn::Set(l, second[0] - first[0]), hn::Set(l, second[1] - first[1]),
+                      hn::Set(l, second[2] - first[2])};
+  };
+  return {difference(from.position, to.position), difference(from.velocity, to.velocity)};
 }
 
 template <class Real>
-void Give(const Block<Real>& block, uint64_t at, Forces<Real>& forces) {
-  for (uint64_t i = 0; i < kBatch; ++i) {
-    forces.value[i][0] = block.x[at + i];
-    forces.value[i][1] = block.y[at + i];
-    forces.value[i][2] = block.z[at + i];
-  }
+void Give(const Axes<Real>& force, Real (*forces)[4]) {
+  forces[0][0] = hn::GetLane(force.x);
+  forces[0][1] = hn::GetLane(force.y);
+  forces[0][2] = hn::GetLane(force.z);
 }
 
 template <class Real>
@@ -249,69 +252,109 @@ void SumUp(const Forces<Real>* forces, const uint16_t* pulls, const uint16_t* pu
 
 #endif
 
-/// Of springs whose rows follow each other from `row` on, or are at `rows`.
-template <class D, class Real = hn::TFromD<D>>
-HWY_INLINE hn::Vec<D> Values(D d, const Real* column, uint32_t row, const uint32_t* rows) {
-  if (HWY_LIKELY(row != kScattered)) return hn::LoadU(d, column + row);
-  HWY_ALIGN Real values[hn::MaxLanes(d)];
-  for (size_t i = 0; i < hn::MaxLanes(d); ++i) values[i] = column[rows[i]];
-  return hn::Load(d, values);
+/// Of the springs from a slot on; beyond the last ones, of these.
+template <bool damped, class Real>
+HWY_INLINE Stretch<Real> TakeFrom(const TileSprings<Real>& springs, uint64_t slot,
+                                  const Motion<Real>* motions) {
+  const uint64_t first = std::min(slot, springs.count - hn::MaxLanes(Lanes<Real>()));
+  return Take<damped>(springs.first_ends + first, springs.second_ends + first, motions);
 }
 
-/** Turns differences into forces, from slot `first` of the springs on. A spring whose ends coincide
- *  has no direction, and exerts none. */
-template <bool damped, class Real>
-HWY_INLINE void Pull(const TileSprings<Real>& springs, uint64_t first, uint64_t count,
-                     Block<Real>& block) {
-  const hn::CappedTag<Real, kBatch> d;
-  for (uint64_t i = 0; i < count; i += hn::MaxLanes(d)) {
-    const uint64_t slot = first + i;
-    auto row = static_cast<uint32_t>(slot);
-    const uint32_t* rows = nullptr;
-    if (springs.rows != nullptr) {
-      rows = springs.rows + slot;
-      row = springs.first_rows[slot / kBatch];
-      if (row != kScattered) row += slot % kBatch;
-    }
-    if (HWY_LIKELY(row != kScattered)) {
-      AskAhead(springs.hooke + row, hn::MaxLanes(d));
-      AskAhead(springs.length + row, hn::MaxLanes(d));
-      if constexpr (damped) AskAhead(springs.damping + row, hn::MaxLanes(d));
-    }
-    auto x = hn::Load(d, block.x + i), y = hn::Load(d, block.y + i), z = hn::Load(d, block.z + i);
-    const auto square = hn::Add(hn::Add(hn::Mul(x, x), hn::Mul(y, y)), hn::Mul(z, z));
-    const auto distance = hn::Sqrt(square);
-    const auto inverse = hn::Div(hn::Set(d, Real(1)), distance);
-    x = hn::Mul(x, inverse), y = hn::Mul(y, inverse), z = hn::Mul(z, inverse);
-    auto pull = hn::Mul(Values(d, springs.hooke, row, rows),
-                        hn::Sub(distance, Values(d, springs.length, row, rows)));
-    if constexpr (damped) {
-      const auto vx = hn::Load(d, block.vx + i), vy = hn::Load(d, block.vy + i),
-                 vz = hn::Load(d, block.vz + i);
-      const auto speed = hn::Add(hn::Add(hn::Mul(vx, x), hn::Mul(vy, y)), hn::Mul(vz, z));
-      pull = hn::Add(pull, hn::Mul(Values(d, springs.damping, row, rows), speed));
-    }
-    const auto none = hn::Eq(distance, hn::Zero(d));
-    hn::Store(hn::IfThenZeroElse(none, hn::Mul(x, pull)), d, block.x + i);
-    hn::Store(hn::IfThenZeroElse(none, hn::Mul(y, pull)), d, block.y + i);
-    hn::Store(hn::IfThenZeroElse(none, hn::Mul(z, pull)), d, block.z + i);
+template <class Real>
+HWY_INLINE V<Real> Dot(const Axes<Real>& a, const Axes<Real>& b) {
+  return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
+}
+
+template <class Real>
+HWY_INLINE Axes<Real> Scale(const Axes<Real>& a, V<Real> factor) {
+  return {hn::Mul(a.x, factor), hn::Mul(a.y, factor), hn::Mul(a.z, factor)};
+}
+
+/// A stretch with its length [m], and the inverse of that.
+template <class Real>
+struct Measured {
+  Stretch<Real> stretch;
+  V<Real> distance, inverse;
+};
+
+template <class Real>
+HWY_INLINE Measured<Real> Measure(const Stretch<Real>& stretch) {
+  const auto distance = hn::Sqrt(Dot(stretch.way, stretch.way));
+  return {stretch, distance, hn::Div(hn::Set(Lanes<Real>(), Real(1)), distance)};
+}
+
+/// Of the springs of a batch.
+template <class Real>
+struct Values {
+  const Real *length, *hooke, *damping;  // [m], [N/m], [N s/m]
+};
+
+/// Copies what does not lie together.
+template <class Real>
+Values<Real> Collect(const TileSprings<Real>& springs, const uint32_t* rows,
+                     Real (&copies)[3][kBatch]) {
+  const Real* columns[] = {springs.length, springs.hooke, springs.damping};
+  for (int c = 0; c < 3 && columns[c] != nullptr; ++c) {
+    for (uint32_t i = 0; i < kBatch; ++i) copies[c][i] = columns[c][rows[i]];
   }
+  return {copies[0], copies[1], copies[2]};
 }
 
+/// Of the batch from `slot` on, in the columns or in `copies`; asks ahead for the next ones.
 template <bool damped, class Real>
-HWY_INLINE void PullAll(const TileSprings<Real>& springs, const Motion<Real>* motions,
-                        Forces<Real>* forces) {
-  Block<Real> block;
-  for (uint64_t first = 0; first < springs.count; first += kBlock) {
-    const uint64_t count = std::min(kBlock, springs.count - first);
-    AskAhead(springs.first_ends + first, kBlock);
-    AskAhead(springs.second_ends + first, kBlock);
-    for (uint64_t i = 0; i < count; i += kBatch) {
-      Take<damped>(springs.first_ends + first + i, springs.second_ends + first + i, motions, i,
-                   block);
+HWY_INLINE Values<Real> ValuesOf(const TileSprings<Real>& springs, uint64_t slot,
+                                 Real (&copies)[3][kBatch]) {
+  AskAhead(springs.first_ends + slot, kBatch);
+  AskAhead(springs.second_ends + slot, kBatch);
+  uint64_t row = slot;
+  if (springs.rows != nullptr) {
+    row = springs.first_rows[slot / kBatch];
+    if (row == kScattered) return Collect(springs, springs.rows + slot, copies);
+  }
+  AskAhead(springs.length + row, kBatch);
+  AskAhead(springs.hooke + row, kBatch);
+  if constexpr (damped) AskAhead(springs.damping + row, kBatch);
+  return {springs.length + row, springs.hooke + row, damped ? springs.damping + row : nullptr};
+}
+
+/** What springs exert on their first ends [N]; they are those from `first` on of their batch. One
+ *  whose ends coincide has no direction, and exerts nothing. */
+template <bool damped, class Real>
+HWY_INLINE Axes<Real> Pull(const Measured<Real>& measured, const Values<Real>& values,
+                           uint32_t first) {
+  const Lanes<Real> l;
+  const Axes<Real> direction = Scale(measured.stretch.way, measured.inverse);
+  auto pull = hn::Mul(hn::LoadU(l, values.hooke + first),
+                      hn::Sub(measured.distance, hn::LoadU(l, values.length + first)));
+  if constexpr (damped) {
+    const auto speed = Dot(measured.stretch.speed, direction);
+    pull = hn::Add(pull, hn::Mul(hn::LoadU(l, values.damping + first), speed));
+  }
+  const auto none = hn::Eq(measured.distance, hn::Zero(l));
+  const Axes<Real> force = Scale(direction, pull);
+  return {hn::IfThenZeroElse(none, force.x), hn::IfThenZeroElse(none, force.y),
+          hn::IfThenZeroElse(none, force.z)};
+}
+
+/** Each spring goes through three steps, of which each waits for the one before: its ends are
+ *  taken, it is measured, and it pulls. So that the processor need not wait, too, it has three
+ *  groups of springs before it, as many in each as there are lanes: while one pulls, the next is
+ *  measured, and the one after it taken. */
+template <bool damped, class Real>
+void PullAll(TileSprings<Real> springs, const Motion<Real>* motions, Forces<Real>* forces) {
+  constexpr uint32_t kLanes = hn::MaxLanes(Lanes<Real>());
+  HWY_ALIGN Real copies[3][kBatch];
+  Measured<Real> measured = Measure(TakeFrom<damped>(springs, 0, motions));
+  Stretch<Real> taken = TakeFrom<damped>(springs, kLanes, motions);
+  for (uint64_t slot = 0; slot < springs.count; slot += kBatch, ++forces) {
+    const Values<Real> values = ValuesOf<damped>(springs, slot, copies);
+#pragma GCC unroll 1  // slower otherwise
+    for (uint32_t i = 0; i < kBatch; i += kLanes) {
+      const Measured<Real> group = measured;
+      measured = Measure(taken);
+      taken = TakeFrom<damped>(springs, slot + i + 2 * kLanes, motions);
+      Give(Pull<damped>(group, values, i), forces->value + i);
     }
-    Pull<damped>(springs, first, count, block);
-    for (uint64_t i = 0; i < count; i += kBatch) Give(block, i, forces[(first + i) / kBatch]);
   }
 }
 

@@ -22,7 +22,7 @@ struct alignas(64) Forces {
   Real value[kBatch][4];
 };
 
-/// Springs of a part, in slots: a multiple of kBatch. For the ends see SpringTiles.
+/// Springs of a part, in slots: a multiple of kBatch, at least one. For the ends see SpringTiles.
 template <class Real>
 struct TileSprings {
   uint64_t count;
