@@ -30,8 +30,8 @@ public record Welcome(OptionalLong id, int protocol, String role, String agent,
      * What the server takes from an agent.
      *
      * @param lineBytes longest line
-     * @param messagesPerSecond most messages in a second, or in one of the world's if that goes
-     *     faster
+     * @param messagesPerSecond most messages that it takes in a second, or in lock-step in one of
+     *     the world's if that goes faster; the others wait
      * @param actsInFlight most commands that may wait for their result
      * @param idleSeconds silence after which it asks whether the agent is still there; the client
      *     answers by itself

@@ -4,6 +4,7 @@ import java.io.Closeable;
 import java.io.IOException;
 import java.net.BindException;
 import java.net.InetSocketAddress;
+import java.net.SocketAddress;
 import java.net.StandardSocketOptions;
 import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
@@ -11,6 +12,7 @@ import java.nio.channels.ServerSocketChannel;
 import java.nio.channels.SocketChannel;
 import java.time.Clock;
 import java.time.Duration;
+import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
@@ -36,6 +38,8 @@ public final class AgentServer implements AutoCloseable {
     private static final int CHECKS_PER_DEADLINE = 4;
     /** So that a flood of connections does not keep the others waiting. */
     private static final int ACCEPTED_PER_TURN = 16;
+    /** Least time between two looks at clients that have sent all that they may. */
+    private static final long THROTTLE_NANOS = 10_000_000;
 
     private final AgentServerConfig config;
     private final Counters counters = new Counters();
@@ -52,6 +56,9 @@ public final class AgentServer implements AutoCloseable {
     private final Strangers strangers;
     private final TlsWire.Scratch tlsScratch = new TlsWire.Scratch();
     private final Queue<Connection> toWrite = new ConcurrentLinkedQueue<>();
+    /** They have sent all that they may. The event loop's own. */
+    private List<Connection> throttled = new ArrayList<>();
+    private long readThrottledNanos = System.nanoTime();
     private final Optional<AuditLog> audit;
     private final Attempts attempts = new Attempts();
     private volatile boolean closed;
@@ -160,6 +167,7 @@ public final class AgentServer implements AutoCloseable {
             for (ServedWorld world : worlds) {
                 if (world.publisher().hasNews()) {
                     world.publisher().tell();
+                    readThrottled();
                 }
             }
             for (Connection connection = toWrite.poll(); connection != null; connection = toWrite.poll()) {
@@ -174,12 +182,25 @@ public final class AgentServer implements AutoCloseable {
         public void checkDeadlines(long nowNanos) {
             List.copyOf(connections).forEach(connection -> connection.checkDeadlines(nowNanos));
             worlds.forEach(world -> world.checkGrace(nowNanos));
+            readThrottled();
             config.security().tokens().map(TokenFile::current)
                     .ifPresent(current -> worlds.forEach(world -> world.checkTokens(current)));
             if (accepting.isValid()) {
                 accepting.interestOps(SelectionKey.OP_ACCEPT);
             }
         }
+    }
+
+    /** Not in every turn: many a frame of a fast world goes by before they may send much more. */
+    private void readThrottled() {
+        long now = System.nanoTime();
+        if (throttled.isEmpty() || now - readThrottledNanos < THROTTLE_NANOS) {
+            return;
+        }
+        readThrottledNanos = now;
+        List<Connection> those = throttled;
+        throttled = new ArrayList<>();
+        those.forEach(Connection::readAgain);
     }
 
     // ---- for connections and sessions ----
@@ -196,6 +217,11 @@ public final class AgentServer implements AutoCloseable {
     void writeSoon(Connection connection) {
         toWrite.add(connection);
         loop.wake();
+    }
+
+    /** Has it read again in a while: with news, which a frame is, or when deadlines are checked. */
+    void readLater(Connection connection) {
+        throttled.add(connection);
     }
 
     AgentServerConfig config() {
@@ -409,7 +435,8 @@ public final class AgentServer implements AutoCloseable {
     private void turnAway(SocketChannel channel, Ending why) {
         counters.cut.increment();
         try (channel) {
-            strangersLog.warn("a client at " + channel.getRemoteAddress() + " was turned away: " + why.getMessage());
+            SocketAddress client = channel.getRemoteAddress();
+            strangersLog.warn(() -> "a client at " + client + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
             if (config.security().tls().isEmpty()) { // else it would take a handshake
                 channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));

@@ -51,8 +51,8 @@ public record AgentServerConfig(InetSocketAddress address, AgentLimits limits, A
 
     /** The same, with another longest time that an agent in lock-step may have the world wait. */
     public AgentServerConfig withDeadline(Duration longest) {
-        var other = new AgentTimeouts(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.write(),
-                timeouts.grace(), longest, timeouts.linger());
+        var other = new AgentTimeouts(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.flood(),
+                timeouts.write(), timeouts.grace(), longest, timeouts.linger());
         return new AgentServerConfig(address, limits, other, audit, security);
     }
 }

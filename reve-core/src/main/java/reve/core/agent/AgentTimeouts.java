@@ -9,23 +9,25 @@ import java.time.Duration;
  * @param hello longest wait for the hello
  * @param line longest time from a line's first byte to its last
  * @param idle silence after which a client is pinged, and after as much again cut off
+ * @param flood time after which a client is cut that always sends more than is taken
  * @param write longest time that one write may take
  * @param grace longest time that the body of an agent whose connection broke may wait for it
  * @param deadline longest time that an agent in lock-step may have the world wait
  * @param linger how long a finished connection may take to go
  */
-public record AgentTimeouts(Duration hello, Duration line, Duration idle, Duration write, Duration grace,
+public record AgentTimeouts(Duration hello, Duration line, Duration idle, Duration flood, Duration write, Duration grace,
         Duration deadline, Duration linger) {
 
     public static final AgentTimeouts PROTOCOL = new AgentTimeouts(Duration.ofSeconds(2), Duration.ofSeconds(10),
-            Duration.ofSeconds(15), Duration.ofSeconds(5), Duration.ofSeconds(60), Duration.ofSeconds(10),
-            Duration.ofSeconds(1));
+            Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(5), Duration.ofSeconds(60),
+            Duration.ofSeconds(10), Duration.ofSeconds(1));
 
     /** @throws IllegalArgumentException if one is shorter than a millisecond */
     public AgentTimeouts {
         requirePositive("hello", hello);
         requirePositive("line", line);
         requirePositive("idle", idle);
+        requirePositive("flood", flood);
         requirePositive("write", write);
         requirePositive("grace", grace);
         requirePositive("deadline", deadline);

@@ -8,6 +8,7 @@ import java.nio.channels.SelectionKey;
 import java.nio.charset.StandardCharsets;
 import java.util.Objects;
 import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.function.Supplier;
 import java.util.regex.Pattern;
 import javax.net.ssl.SSLException;
 import org.jspecify.annotations.Nullable;
@@ -37,7 +38,10 @@ final class Connection implements EventLoop.Handler {
     private ByteBuffer unsent = NOTHING;
     private long unsentSinceNanos;
     private int errors;
+    /** Not read at the moment. */
     private boolean held;
+    /** Since when it has always sent more than was taken; 0 if it has not. */
+    private long floodingSinceNanos;
     private boolean shut;
     private int drained;
 
@@ -93,8 +97,15 @@ final class Connection implements EventLoop.Handler {
 
     /** Says bye and lets go; the first reason counts. */
     synchronized void end(Ending why) {
+        if (leave(why)) {
+            outbox.finish(why.bye().in(encoding)); // who has read its bye has left, and may come back
+        }
+    }
+
+    /** @return false if it has ended before */
+    private synchronized boolean leave(Ending why) {
         if (hasEnded()) {
-            return;
+            return false;
         }
         endedNanos = System.nanoTime();
         ending = why;
@@ -106,14 +117,14 @@ final class Connection implements EventLoop.Handler {
             counters.cut.increment();
         }
         report(why);
-        outbox.finish(why.bye().in(encoding)); // who has read its bye has left, and may come back
+        return true;
     }
 
     private void report(Ending why) {
         Session client = session;
         RateLimitedLog log = client == null ? server.strangersLog() : server.log();
-        String line = (client == null ? "a client at " + address : client) + " left: " + why.code() + ": "
-                + why.getMessage();
+        Supplier<String> line = () -> (client == null ? "a client at " + address : client) + " left: " + why.code()
+                + ": " + why.getMessage();
         if (why.isCut()) {
             log.warn(line);
         } else {
@@ -159,7 +170,7 @@ final class Connection implements EventLoop.Handler {
 
     /** Lets go of the socket. */
     void close() {
-        end(Ending.regular("lost", "the connection broke"));
+        leave(Ending.regular("lost", "the connection broke")); // nobody is there to be told
         try {
             wire.close();
         } catch (IOException e) {
@@ -174,6 +185,10 @@ final class Connection implements EventLoop.Handler {
         guard(() -> {
             if (hasEnded()) {
                 drain();
+                return;
+            }
+            if (held) {
+                pause(); // its wire had something to say of its own
                 return;
             }
             do {
@@ -210,13 +225,45 @@ final class Connection implements EventLoop.Handler {
 
     private void takeAll() throws Ending {
         while (!hasEnded() && !held) {
+            Session client = session;
+            if (client != null && !client.hasQuota()) {
+                throttle();
+                return;
+            }
             ByteBuffer next = messages.next();
             if (next == null) {
+                floodingSinceNanos = messages.hasTakenAll() ? 0 : floodingSinceNanos;
                 return;
             }
             counters.lines.increment();
+            if (client != null) {
+                client.count();
+            }
             take(next);
         }
+    }
+
+    /** It has sent more than it may: the rest waits in its socket, and then with the client. */
+    private void throttle() throws Ending {
+        long now = System.nanoTime();
+        if (floodingSinceNanos == 0) {
+            floodingSinceNanos = now;
+        } else if (now - floodingSinceNanos > timeouts.flood().toNanos()) {
+            throw Ending.cut("too-many-messages", "for " + timeouts.flood().toMillis() / 1000.0
+                    + " s there were always more than " + limits.messagesPerSecond() + " messages in a second");
+        }
+        pause();
+        server.readLater(this);
+    }
+
+    private void pause() {
+        held = true;
+        key.interestOpsAnd(~SelectionKey.OP_READ);
+    }
+
+    /** Reads it again, if it may send something. */
+    void readAgain() {
+        release(null);
     }
 
     private void drain() throws IOException {
@@ -273,9 +320,6 @@ final class Connection implements EventLoop.Handler {
             messages.greeted(encoding);
             return;
         }
-        if (!(message instanceof ClientMessage.Bye)) {
-            agent.require(message);
-        }
         switch (message) {
             case ClientMessage.Hello again -> throw new BadMessage(again.id(), "hello-again",
                     "this connection is " + agent + " already", "open another connection for another agent");
@@ -292,8 +336,7 @@ final class Connection implements EventLoop.Handler {
 
     /** What may take its time is done on a thread of its own; meanwhile the client is not read. */
     private void hold(Session client, ClientMessage.Control control) {
-        held = true;
-        key.interestOpsAnd(~SelectionKey.OP_READ);
+        pause();
         Thread.ofVirtual().name("agent control").start(() -> {
             try {
                 client.request(control);
@@ -318,8 +361,8 @@ final class Connection implements EventLoop.Handler {
             }
             takeAll();
         });
-        if (wire.hasReceived() && !held) {
-            read();
+        if (!held && wire.isOpen()) {
+            read(); // the wire may hold what the key says nothing of
         }
     }
 

@@ -12,16 +12,19 @@ import org.jspecify.annotations.Nullable;
  */
 final class FrameReader {
 
+    /** For who has not said hello: many may come and say nothing. */
+    private static final int FIRST_BYTES = 128;
     private static final int INITIAL_BYTES = 1024;
     private static final int KEPT_BYTES = 16 * 1024;
 
     private final AgentLimits limits;
     private final AgentTimeouts timeouts;
     private final Runnable ping;
-    private ByteBuffer buffer = ByteBuffer.allocate(INITIAL_BYTES);
+    private ByteBuffer buffer = ByteBuffer.allocate(FIRST_BYTES);
     private int start;
     private int searched;
     private int end;
+    private boolean drained;
     private Encoding encoding = Encoding.JSON;
     private boolean greeted;
     private boolean pinged;
@@ -58,6 +61,7 @@ final class FrameReader {
             room = (int) Math.min(room, limits.helloBytes() - helloBytes);
         }
         int count = in.read(buffer.limit(end + room).position(end));
+        drained = buffer.hasRemaining();
         if (count > 0 && !greeted && helloBytes == 0 && buffer.get(end) == TlsWire.HANDSHAKE) {
             throw Ending.refused("tls-unsupported", "this server speaks no TLS", "connect without TLS");
         }
@@ -84,6 +88,11 @@ final class FrameReader {
             waitingSince = System.nanoTime();
         }
         return message;
+    }
+
+    /** True if {@link #fill} found no more than it had room for. */
+    boolean hasTakenAll() {
+        return drained;
     }
 
     /**
@@ -149,8 +158,8 @@ final class FrameReader {
             start = 0;
             searched = 0;
             end = 0;
-            if (bytes.length > KEPT_BYTES) {
-                buffer = ByteBuffer.allocate(INITIAL_BYTES); // a long line is behind us
+            if (bytes.length > KEPT_BYTES || greeted && bytes.length < INITIAL_BYTES) {
+                buffer = ByteBuffer.allocate(INITIAL_BYTES); // a long line, or the hello, is behind us
             }
         } else if (end == bytes.length && start > 0) {
             System.arraycopy(bytes, start, bytes, 0, end - start);

@@ -1,10 +1,14 @@
 package reve.core.agent;
 
 /**
- * How many messages a client may still send: at most as many as in a second, which come back with time. A second is
- * one of the clock, or of the world if that goes faster. The event loop's thread.
+ * How many messages of a client may still be taken: at most as many as in a second, which come back with time. A second
+ * is one of the clock, or of the frames that are counted if these go faster. It begins with few, so that nobody gains
+ * by coming anew. The event loop's thread.
  */
 final class Quota {
+
+    /** What it begins with. */
+    static final int FIRST = 64;
 
     private final int messagesPerSecond;
     private final int framesPerSecond;
@@ -15,21 +19,22 @@ final class Quota {
     Quota(int messagesPerSecond, int framesPerSecond, long nowNanos, long frame) {
         this.messagesPerSecond = messagesPerSecond;
         this.framesPerSecond = framesPerSecond;
-        this.left = messagesPerSecond;
+        this.left = Math.min(FIRST, messagesPerSecond);
         this.nanos = nowNanos;
         this.frame = frame;
     }
 
-    /** One more message. @return false if it is too many */
-    boolean take(long nowNanos, long nowFrame) {
+    /** True if one more message may be taken. */
+    boolean hasLeft(long nowNanos, long nowFrame) {
         double seconds = Math.max((nowNanos - nanos) * 1e-9, (double) (nowFrame - frame) / framesPerSecond);
         nanos = nowNanos;
         frame = nowFrame;
         left = Math.min(messagesPerSecond, left + seconds * messagesPerSecond);
-        if (left < 1) {
-            return false;
-        }
+        return left >= 1;
+    }
+
+    /** One that {@link #hasLeft} let through is taken. */
+    void take() {
         left--;
-        return true;
     }
 }

@@ -1,6 +1,7 @@
 package reve.core.agent;
 
 import java.util.concurrent.TimeUnit;
+import java.util.function.Supplier;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
@@ -23,14 +24,24 @@ final class RateLimitedLog {
     }
 
     void info(String message) {
-        if (mayLog()) {
-            LOG.info(message);
-        }
+        info(() -> message);
     }
 
     void warn(String message) {
+        warn(() -> message);
+    }
+
+    /** @param message put together only where it is written */
+    void info(Supplier<String> message) {
         if (mayLog()) {
-            LOG.warn(message);
+            LOG.info(message.get());
+        }
+    }
+
+    /** @param message put together only where it is written */
+    void warn(Supplier<String> message) {
+        if (mayLog()) {
+            LOG.warn(message.get());
         }
     }
 

@@ -71,13 +71,12 @@ final class Session {
         this.token = token;
         this.secret = AgentToken.newSecret();
         this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(), EventLog.MAX_BYTES);
-        this.quota = new Quota(limits.messagesPerSecond(), world.framesPerSecond(), System.nanoTime(),
-                world.publisher().published());
         this.looks = new Looks(world, server.log(), toString(), this::show);
         this.connection = connection;
         this.encoding = connection.encoding();
         this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
                 (long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos()))).orElse(null);
+        this.quota = new Quota(limits.messagesPerSecond(), world.framesPerSecond(), System.nanoTime(), pace());
         this.perceptions = perceptionsOver(connection);
     }
 
@@ -258,13 +257,19 @@ final class Session {
 
     // ---- its connection's reader ----
 
-    /** @throws BadMessage if that message is one too many; it is not taken */
-    void require(ClientMessage message) throws BadMessage {
-        if (!quota.take(System.nanoTime(), world.publisher().published())) {
-            throw new BadMessage(message.id(), "too-many-messages",
-                    "these are more than " + limits.messagesPerSecond() + " messages in a second",
-                    "wait, then send it again");
-        }
+    /** True if one more message of it may be taken now. */
+    boolean hasQuota() {
+        return quota.hasLeft(System.nanoTime(), pace());
+    }
+
+    /** Frames, for who keeps pace with the world: such a client has more to say where that is fast. */
+    private long pace() {
+        return turn == null ? 0 : world.publisher().published();
+    }
+
+    /** A message of it is taken. */
+    void count() {
+        quota.take();
     }
 
     /** The agent has done what it does in this round. */
