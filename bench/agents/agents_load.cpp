@@ -17,6 +17,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <bit>
 #include <cerrno>
 #include <chrono>
 #include <cmath>
@@ -136,6 +137,7 @@ class Client {
     for (std::string_view message = Next(begin); !message.empty(); message = Next(begin)) {
       if (Is(message, "perception")) {
         perceptions++;
+        world_time = WorldTime(message);
       } else if (Is(message, "bye") || Is(message, "error") ||
                  message.find("\"accepted\":false") != std::string_view::npos) {
         errno = 0;
@@ -154,6 +156,7 @@ class Client {
   }
 
   double since = 0;  ///< When it last sent or, of a stream, last perceived [s].
+  double world_time = 0;  ///< Of what it last perceived [s].
 
  private:
   std::string_view Next(size_t& begin) const {
@@ -174,6 +177,15 @@ class Client {
   bool Is(std::string_view message, std::string_view type) const {
     return message[0] == '{' ? message.substr(6, type.size()) == type
                              : message.substr(8, type.size()) == type;
+  }
+
+  /// Behind the first key `time`: a number of JSON, or a 64-bit float of MessagePack.
+  double WorldTime(std::string_view message) const {
+    const char* key = message.data() + message.find("time") + 4;
+    if (!packed_) return std::strtod(key + 2, nullptr);
+    uint64_t bits = 0;
+    for (int i = 1; i <= 8; i++) bits = bits << 8 | uint8_t(key[i]);
+    return std::bit_cast<double>(bits);
   }
 
   int id_;
@@ -226,6 +238,7 @@ class Load {
       if (!counting && now >= begin) {
         counting = true;
         samples_.clear();
+        behind_.clear();
         bytes_ = 0;
         begun_ = now;
         cpu = ProcessorSeconds();
@@ -257,6 +270,7 @@ class Load {
     if (client.since > 0) samples_.push_back(float(sample));
     if (wanted_.mode == "stream") {
       client.since = now;
+      behind_.push_back(now - client.world_time);
     } else {
       Begin(client, now);
     }
@@ -282,9 +296,10 @@ class Load {
     return seconds(usage.ru_utime) + seconds(usage.ru_stime);
   }
 
-  double Quantile(double share) {
-    const auto place = samples_.begin() + ptrdiff_t(share * double(samples_.size() - 1));
-    std::nth_element(samples_.begin(), place, samples_.end());
+  template <class Number>
+  static double Quantile(std::vector<Number>& samples, double share) {
+    const auto place = samples.begin() + ptrdiff_t(share * double(samples.size() - 1));
+    std::nth_element(samples.begin(), place, samples.end());
     return *place;
   }
 
@@ -292,16 +307,19 @@ class Load {
     if (samples_.empty()) throw std::runtime_error("nothing was perceived");
     const double rate = double(samples_.size()) / seconds;
     const double clients = double(clients_.size());
-    double median = Quantile(0.5) * 1e6;
-    double p99 = Quantile(0.99) * 1e6;
+    double median = Quantile(samples_, 0.5) * 1e6;
+    double p99 = Quantile(samples_, 0.99) * 1e6;
+    double late_p99 = 0;
     if (wanted_.mode == "stream") {  // how far from the pace of the frames
       for (float& sample : samples_) sample = float(std::abs(double(sample) - kFrameSeconds));
-      median = Quantile(0.5) * 1e6;
-      p99 = Quantile(0.99) * 1e6;
+      median = Quantile(samples_, 0.5) * 1e6;
+      p99 = Quantile(samples_, 0.99) * 1e6;
+      late_p99 = (Quantile(behind_, 0.99) - Quantile(behind_, 0)) * 1e6;
     }
     std::printf("{\"perSecond\":%.1f,\"medianMicros\":%.1f,\"p99Micros\":%.1f,"
-                "\"bytesPerClientSecond\":%.0f,\"clientProcessors\":%.3f,\"slices\":[",
-                rate, median, p99, double(bytes_) / seconds / clients, cpu / seconds);
+                "\"lateP99Micros\":%.1f,\"bytesPerClientSecond\":%.0f,"
+                "\"clientProcessors\":%.3f,\"slices\":[",
+                rate, median, p99, late_p99, double(bytes_) / seconds / clients, cpu / seconds);
     const char* separator = "";
     for (const double slice : slices_) {
       std::printf("%s%.0f", separator, slice);
@@ -314,6 +332,7 @@ class Load {
   std::vector<Client> clients_;
   Bytes echo_;
   std::vector<float> samples_;
+  std::vector<double> behind_;  ///< Of each perception of a stream: clock less world time [s].
   uint64_t bytes_ = 0;
   double begun_ = 0;
   std::vector<double> slices_;  ///< Samples a second in each half second since the beginning.
