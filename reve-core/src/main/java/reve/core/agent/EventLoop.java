@@ -23,6 +23,13 @@ final class EventLoop implements LockStep.Waiting {
     static final int WRITE_BUFFER_BYTES = 64 * 1024;
 
     private static final long NAP_NANOS = 5_000_000;
+    /**
+     * As long as this a world's thread looks for what comes before it sleeps, if what it waited for last came within
+     * that time: to wake a thread on an idle processor takes longer than most of what agents do. With one processor
+     * that would be the agents' time.
+     */
+    private static final long AWAKE_NANOS =
+            Runtime.getRuntime().availableProcessors() > 1 ? 100_000 : 0;
 
     /** Something that a channel brings work for. */
     interface Handler {
@@ -52,6 +59,8 @@ final class EventLoop implements LockStep.Waiting {
     private final ByteBuffer writeBuffer = ByteBuffer.allocateDirect(WRITE_BUFFER_BYTES);
     private final Bytes outgoing = new Bytes();
     private long checkedNanos = System.nanoTime();
+    /** What was waited for last was there within {@link #AWAKE_NANOS}. */
+    private boolean quick;
     /** Somebody brought work since this turn began. */
     private volatile boolean woken;
     private volatile boolean selecting;
@@ -137,7 +146,7 @@ final class EventLoop implements LockStep.Waiting {
         try {
             woken = false;
             if (!enough.getAsBoolean()) {
-                turn(nanoseconds);
+                turn(nanoseconds, quick ? AWAKE_NANOS : 0);
             }
         } finally {
             duty.unlock();
@@ -153,7 +162,7 @@ final class EventLoop implements LockStep.Waiting {
             }
             try {
                 woken = false;
-                turn(checkNanos);
+                turn(checkNanos, 0);
             } finally {
                 duty.unlock();
             }
@@ -168,7 +177,7 @@ final class EventLoop implements LockStep.Waiting {
     }
 
     /** First what there is to do, then waits for more: so that whoever serves leaves nothing read behind. */
-    private void turn(long mostNanos) {
+    private void turn(long mostNanos, long awakeNanos) {
         try {
             for (Runnable task = tasks.poll(); task != null; task = tasks.poll()) {
                 task.run();
@@ -179,20 +188,38 @@ final class EventLoop implements LockStep.Waiting {
                 checkedNanos = now;
                 work.checkDeadlines(now);
             }
-            select(Math.min(mostNanos, checkedNanos + checkNanos - now));
+            select(Math.min(mostNanos, checkedNanos + checkNanos - now), now + awakeNanos);
+            quick = System.nanoTime() - now < AWAKE_NANOS;
         } catch (Throwable e) { // one client's error must not end the others
             log.error("serving agents failed", e);
         }
     }
 
-    private void select(long nanoseconds) throws IOException {
+    private void select(long nanoseconds, long awakeUntilNanos) throws IOException {
         selecting = true; // whoever brings work from here on wakes us
-        if (woken || !tasks.isEmpty() || work.isWaiting() || stopped) {
-            selector.selectNow(EventLoop::handle);
-        } else {
-            selector.select(EventLoop::handle, TimeUnit.NANOSECONDS.toMillis(nanoseconds) + 1);
+        if (!findsSoon(awakeUntilNanos)) {
+            if (hasWork()) {
+                selector.selectNow(EventLoop::handle);
+            } else {
+                selector.select(EventLoop::handle, TimeUnit.NANOSECONDS.toMillis(nanoseconds) + 1);
+            }
         }
         selecting = false;
+    }
+
+    /** Looks at the sockets again and again. @return true if one of them was ready before there was other work */
+    private boolean findsSoon(long awakeUntilNanos) throws IOException {
+        while (!hasWork() && System.nanoTime() - awakeUntilNanos < 0) {
+            if (selector.selectNow(EventLoop::handle) > 0) {
+                return true;
+            }
+            Thread.onSpinWait();
+        }
+        return false;
+    }
+
+    private boolean hasWork() {
+        return woken || !tasks.isEmpty() || work.isWaiting() || stopped;
     }
 
     private static void handle(SelectionKey key) {
