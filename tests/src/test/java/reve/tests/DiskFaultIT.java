@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.attribute.BasicFileAttributes;
 import java.util.ArrayList;
 import java.util.List;
 import org.junit.jupiter.api.BeforeEach;
@@ -85,6 +86,31 @@ class DiskFaultIT {
         refused("serve", "--store", folder, "is a folder, expected a file");
         refused("run", "--record", nowhere, "there is no folder " + nowhere.getParent());
         refused("run", "--record", Path.of("/dev/full"), "No space left on device");
+    }
+
+    @Test
+    void pipesAndDevicesAreRefusedWhereAFileIsToStand() throws Exception {
+        Path pipe = folder.resolve("pipe");
+        assertThat(new ProcessBuilder("mkfifo", pipe.toString()).start().waitFor()).isZero();
+
+        refused("run", "--record", pipe, "is a pipe, expected a file");
+        refused("run", "--save", pipe, "is a device or a pipe, expected a file");
+        refused("snapshot", "--out", pipe, "is a device or a pipe, expected a file");
+
+        assertThat(Files.readAttributes(pipe, BasicFileAttributes.class).isOther()).isTrue();
+    }
+
+    @Test
+    void whatIsSavedThroughALinkLeavesTheLink() throws Exception {
+        Path saved = folder.resolve("saved.yaml");
+        Path link = Files.createSymbolicLink(folder.resolve("link.yaml"),
+                Files.createFile(saved));
+
+        assertThat(Reve.run("run", WORLD, "--seconds", "0", "--save", link.toString()).code())
+                .isZero();
+
+        assertThat(link).isSymbolicLink();
+        assertThat(saved).isNotEmptyFile();
     }
 
     private static void refused(String command, String option, Path file, String reason)

@@ -6,7 +6,10 @@ import java.io.OutputStream;
 import java.io.UncheckedIOException;
 import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.AccessDeniedException;
+import java.nio.file.FileSystemException;
 import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.security.MessageDigest;
@@ -29,13 +32,24 @@ final class AuditLog implements Closeable {
     private static final List<String> PIXELS = List.of("colour", "depth", "items");
     private static final Pattern SECRET = Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
 
+    private final Path file;
     private final OutputStream out;
     private final Clock clock;
 
     /** @throws IOException if the file cannot be appended to */
     AuditLog(Path file, Clock clock) throws IOException {
-        this.out = Files.newOutputStream(file, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
+        this.file = file;
         this.clock = clock;
+        try {
+            out = Files.newOutputStream(file, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
+        } catch (FileSystemException e) {
+            String reason = switch (e) {
+                case NoSuchFileException gone -> "there is no folder " + file.toAbsolutePath().getParent();
+                case AccessDeniedException denied -> "permission denied";
+                default -> e.getReason();
+            };
+            throw new IOException("the audit record " + file + " could not be opened: " + reason, e);
+        }
     }
 
     /** @throws UncheckedIOException if it cannot be written down */
@@ -49,7 +63,8 @@ final class AuditLog implements Closeable {
         try {
             out.write(entry.getBytes(StandardCharsets.UTF_8));
         } catch (IOException e) {
-            throw new UncheckedIOException("what clients are told cannot be recorded", e);
+            throw new UncheckedIOException("what clients are told cannot be recorded in " + file + ": "
+                    + e.getMessage(), e);
         }
     }
 

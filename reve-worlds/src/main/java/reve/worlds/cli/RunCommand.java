@@ -58,7 +58,7 @@ public final class RunCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         if (save.isPresent()) {
-            WritableFile.require(spec, "--save", save.get());
+            save = Optional.of(WritableFile.require(spec, "--save", save.get()));
         }
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());

@@ -1,5 +1,6 @@
 package reve.worlds.cli;
 
+import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import picocli.CommandLine.Model.CommandSpec;
@@ -9,18 +10,34 @@ import picocli.CommandLine.ParameterException;
 final class WritableFile {
     private WritableFile() {}
 
-    /** Its absolute path; refuses what is a folder or in none, before any work is done for it. */
-    static Path require(CommandSpec spec, String option, Path given) {
+    /**
+     * Where to write it: its absolute path, or what it links to. Refuses, before any work is done
+     * for it, what is in no folder that can be written to, and what a finished file must not take
+     * the place of: a folder, a device or a pipe.
+     */
+    static Path require(CommandSpec spec, String option, Path given) throws IOException {
         Path file = given.toAbsolutePath().normalize();
-        if (file.getParent() == null || !Files.isDirectory(file.getParent())) {
-            throw new ParameterException(spec.commandLine(),
-                    option + " " + given + ": there is no folder " + file.getParent()
-                    + "; make it first");
-        }
         if (Files.isDirectory(file)) {
-            throw new ParameterException(spec.commandLine(),
-                    option + " " + given + ": is a folder, expected a file");
+            throw refused(spec, option, given, "is a folder, expected a file");
         }
-        return file;
+        if (!Files.isDirectory(file.getParent())) {
+            throw refused(spec, option, given,
+                    "there is no folder " + file.getParent() + "; make it first");
+        }
+        if (Files.exists(file) && !Files.isRegularFile(file)) {
+            throw refused(spec, option, given, "is a device or a pipe, expected a file");
+        }
+        Path target = Files.isSymbolicLink(file) && Files.exists(file) ? file.toRealPath() : file;
+        if (!Files.isWritable(target.getParent())) {
+            throw refused(spec, option, given,
+                    "the folder " + target.getParent() + " cannot be written to");
+        }
+        return target;
+    }
+
+    private static ParameterException refused(CommandSpec spec, String option, Path given,
+            String reason) {
+        return new ParameterException(spec.commandLine(),
+                option + " " + given + ": " + reason);
     }
 }

@@ -38,6 +38,9 @@ public final class RunLog {
     private static final int HEAD_BYTES = Integer.BYTES + 1 + Long.BYTES;
     private static final int SUM_BYTES = Integer.BYTES;
     private static final int SHA_BYTES = 32;
+    /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
+    private static final int TYPE_BITS = 0170000;
+    private static final int PIPE = 0010000;
 
     private RunLog() {}
 
@@ -63,6 +66,7 @@ public final class RunLog {
 
         Writer(Path file) throws IOException {
             this.file = file;
+            refusePipe(file);
             try {
                 channel = FileChannel.open(file, StandardOpenOption.CREATE,
                         StandardOpenOption.WRITE, StandardOpenOption.TRUNCATE_EXISTING);
@@ -74,6 +78,14 @@ public final class RunLog {
             } catch (IOException e) {
                 channel.close();
                 throw e;
+            }
+        }
+
+        /** What cannot be written whole is taken back, which a pipe does not do; it may block, too. */
+        private static void refusePipe(Path file) throws IOException {
+            if (Files.exists(file)
+                    && ((int) Files.getAttribute(file, "unix:mode") & TYPE_BITS) == PIPE) {
+                throw new IOException(file + " is a pipe, expected a file");
             }
         }
 
@@ -147,13 +159,17 @@ public final class RunLog {
 
         private IOException failed(IOException e) {
             String reason = switch (e) {
-                case NoSuchFileException gone -> "there is no folder " + file.toAbsolutePath()
-                        .getParent();
+                case NoSuchFileException gone -> noPlace(file.toAbsolutePath().getParent());
                 case AccessDeniedException denied -> "permission denied";
                 case FileSystemException other when other.getReason() != null -> other.getReason();
                 default -> e.getMessage();
             };
             return new IOException(file + " could not be written: " + reason, e);
+        }
+
+        private static String noPlace(Path folder) {
+            return Files.isDirectory(folder) ? "the folder " + folder + " takes no such file"
+                    : "there is no folder " + folder;
         }
     }
 
