@@ -54,9 +54,9 @@ struct Box {
 };
 
 /** A uniform grid of cells that are found by a hash of their coordinates (M. Teschner et al.,
- *  Optimized Spatial Hashing for Collision Detection of Deformable Objects, 2003). A box lies in the
- *  cell of its centre. Cells are twice the size of the median box; what is larger than a cell is
- *  kept in a list that everybody looks through. */
+ *  Optimized Spatial Hashing for Collision Detection of Deformable Objects, 2003). A box lies in
+ *  the cell of its centre. Cells are twice the size of the median box; what is larger than a cell
+ *  is kept in a list that everybody looks through. */
 template <class Real>
 class PatchGrid {
  public:

@@ -67,8 +67,8 @@ class Columns {
   uint64_t generation() const { return generation_; }
 
   /// Agrees the row counts, holds arrays that laws may write apart from all others, expands shared
-  /// values, and holds references to their range and values to their minimum, of what changed. Throws
-  /// COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT that names property and row.
+  /// values, and holds references to their range and values to their minimum, of what changed.
+  /// Throws COUNT_MISMATCH, ACCESS_CONFLICT or INVALID_ARGUMENT that names property and row.
   void Refresh();
   /// Range-checks references again, changed or not.
   void CheckReferences();

@@ -13,10 +13,10 @@ namespace vesper {
 /// `synchronize` of that law has written the array, or until the client says that the array counts,
 /// by touch or rebind.
 ///
-/// A library whose laws use a property DEFERRED has a copy of it, taken from the array at a version.
-/// Whenever somebody else wrote the array, the version that such uses see is raised, never while the
-/// property is held: so a new version means that the array counts, and the same one that the copy
-/// does. Not thread-safe.
+/// A library whose laws use a property DEFERRED has a copy of it, taken from the array at a
+/// version. Whenever somebody else wrote the array, the version that such uses see is raised, never
+/// while the property is held: so a new version means that the array counts, and the same one that
+/// the copy does. Not thread-safe.
 class DeferredWrites {
  public:
   explicit DeferredWrites(Columns& columns) : columns_(columns), properties_(columns.size()) {}

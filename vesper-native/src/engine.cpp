@@ -536,7 +536,8 @@ void vesper_engine::LedgerEntry(vesper_library_id id, uint32_t line, vesper_ledg
   const Turn turn(*this);
   vesper::CheckStructSize<vesper_ledger_entry>(out.struct_size, "out");
   if (ledger_ == nullptr) {
-    throw Failure(VESPER_NOT_FOUND, "the ledger is off; switch it on before the steps to be booked");
+    throw Failure(VESPER_NOT_FOUND,
+                  "the ledger is off; switch it on before the steps to be booked");
   }
   if (id != VESPER_NO_LIBRARY) {
     if (FindLaw(id, line).law.desc().potential_energy != nullptr) BindFresh();

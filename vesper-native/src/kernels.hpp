@@ -43,7 +43,8 @@ void CopyCanonical(vesper_scalar_type type, void* to, const void* from, uint64_t
 /// Index of the first value that is not below `limit`, or kNotFound.
 uint64_t FindOutOfRange(const uint32_t* values, uint64_t count, uint64_t limit);
 
-/// Index of the first value below `minimum`, or kNotFound; NaN is not. Integer types are left alone.
+/// Index of the first value below `minimum`, or kNotFound; NaN is not. Integer types
+/// are left alone.
 uint64_t FindBelow(vesper_scalar_type type, const void* values, uint64_t count, double minimum);
 
 /// to[i] = from[indices[i]], rows of `row_size` bytes.

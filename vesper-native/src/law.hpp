@@ -22,8 +22,8 @@ class Law {
   void Advance(const vesper_step& step);
   /// Writes the array of a use that it deferred.
   void Synchronize(uint32_t use);
-  /// [J], of the arrays it is bound to; only of a law that reports it. Throws LAW_MISBEHAVED if it is
-  /// not finite.
+  /// [J], of the arrays it is bound to; only of a law that reports it. Throws LAW_MISBEHAVED if it
+  /// is not finite.
   double PotentialEnergy();
 
   const vesper_law_desc& desc() const { return desc_; }

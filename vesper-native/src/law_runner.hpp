@@ -19,9 +19,9 @@ class LawRunner {
   /// Lets the law see `targets`, which outlive the next Bind.
   virtual void Bind(const Targets& targets) = 0;
   /// Zeroes what the law accumulates into, applies the law, and throws LAW_MISBEHAVED if it wrote
-  /// NaN or infinity, or INVALID_ARGUMENT if there was one in what it only reads. What it wrote is in
-  /// the targets after success only, or undefined. A use that the law defers is neither checked nor
-  /// written.
+  /// NaN or infinity, or INVALID_ARGUMENT if there was one in what it only reads. What it wrote is
+  /// in the targets after success only, or undefined. A use that the law defers is neither checked
+  /// nor written.
   virtual void Advance(const vesper_step& step) = 0;
   /// Lets the law write the target of a use that it deferred. Throws LAW_MISBEHAVED if that is NaN
   /// or infinity.

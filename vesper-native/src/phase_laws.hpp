@@ -16,7 +16,8 @@ struct ScheduledLaw {
   LoadedLaw* law;
   LawLibrary* library;
 
-  /// Runs `body`; what it throws is laid at the door of the law, unless the client's input is wrong.
+  /// Runs `body`; what it throws is laid at the door of the law, unless the client's
+  /// input is wrong.
   template <class Body>
   void OnBehalf(uint32_t stage, Body&& body) const {
     try {
@@ -44,9 +45,9 @@ class LawCalls {
 
 /// Laws collide if one writes what the other reads or writes, or if they are of one library, since
 /// they may share its suite. A wave holds laws that do not collide; a law comes in the first wave
-/// after those of all earlier laws that it collides with. Waves, and not a graph of tasks: laws of a
-/// phase are few and mostly collide with nobody (they accumulate) or with everybody (they integrate),
-/// so that a finer order would gain nothing.
+/// after those of all earlier laws that it collides with. Waves, and not a graph of tasks: laws of
+/// a phase are few and mostly collide with nobody (they accumulate) or with everybody (they
+/// integrate), so that a finer order would gain nothing.
 ///
 /// What happens is what happens if laws run one after the other in order of loading, whatever the
 /// number of threads: the same bits, the same failure, the same lines in the log.

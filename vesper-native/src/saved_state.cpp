@@ -81,7 +81,9 @@ class Reader {
 
 Header ReadHeader(std::span<const std::byte> saved) {
   const auto header = Reader(saved).Value<Header>();
-  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) throw Damaged("it begins with no mark");
+  if (std::memcmp(header.magic, kMagic, sizeof kMagic) != 0) {
+    throw Damaged("it begins with no mark");
+  }
   if (header.version != kVersion) {
     throw Failure(VESPER_INVALID_ARGUMENT, "saved state: version is %u, expected %u",
                   header.version, kVersion);
@@ -106,11 +108,12 @@ struct SavedScratch {
 
 SavedScratch ReadScratch(Reader& reader, const EngineState& state) {
   const std::string name(reader.Text());
-  const auto found = std::find_if(state.scratch.begin(), state.scratch.end(),
-                                  [&](const NamedScratch& scratch) { return scratch.name == name; });
+  const auto named = [&](const NamedScratch& scratch) { return scratch.name == name; };
+  const auto found = std::find_if(state.scratch.begin(), state.scratch.end(), named);
   if (found == state.scratch.end()) {
     throw Failure(VESPER_ACCESS_CONFLICT,
-                  "saved state: holds %s, which no loaded law keeps; load the laws it was saved with",
+                  "saved state: holds %s, which no loaded law keeps; "
+                  "load the laws it was saved with",
                   name.c_str());
   }
   const auto row_count = reader.Value<uint64_t>();

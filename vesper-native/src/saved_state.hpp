@@ -1,4 +1,5 @@
-// What lives in an engine and nowhere else, as bytes: the steps done and their time, and what laws remember.
+// What lives in an engine and nowhere else, as bytes: the steps done and their time, and what
+// laws remember.
 #pragma once
 
 #include <cstddef>

@@ -75,8 +75,8 @@ T ReadStruct(const T& source, const char* what) {
       std::any_of(bytes + sizeof known, bytes + size, [](std::byte b) { return b != std::byte{}; });
   if (asks_for_more) {
     throw Failure(VESPER_ABI_MISMATCH,
-                  "%s uses a field that contract %u.%u does not have; it needs a newer engine", what,
-                  VESPER_ABI_MAJOR, VESPER_ABI_MINOR);
+                  "%s uses a field that contract %u.%u does not have; it needs a newer engine",
+                  what, VESPER_ABI_MAJOR, VESPER_ABI_MINOR);
   }
   return known;
 }

@@ -43,7 +43,10 @@ IN_BOTH_MODES(DeferredTest);
 TEST_P(DeferredTest, ChangesNoBitWhateverLawsAreBesideIt) {
   const std::vector<std::vector<const char*>> suites = {{"vault"}, {"vault_pull", "vault_move"}};
   const std::vector<std::vector<const char*>> others = {
-      {}, {"push"}, {"relay_spin", "relay_acceleration"}, {"push", "trace_constrain", "relay_spin"}};
+      {},
+      {"push"},
+      {"relay_spin", "relay_acceleration"},
+      {"push", "trace_constrain", "relay_spin"}};
   for (const auto& other : others) {
     std::vector<const char*> laws = {"no_vault"};
     laws.insert(laws.end(), other.begin(), other.end());
@@ -90,9 +93,9 @@ TEST_P(DeferredTest, AdvanceLeavesArraysFreshUnlessTheClientAsksForMore) {
     run.ExpectSameAs(twin);
   }
   // Whatever the number of steps, once there and once back.
-  EXPECT_EQ(std::count(run.engine.log().begin(), run.engine.log().end(), "vault: take position"), 2);
-  EXPECT_EQ(std::count(run.engine.log().begin(), run.engine.log().end(), "vault: write position"),
-            2);
+  const auto& log = run.engine.log();
+  EXPECT_EQ(std::count(log.begin(), log.end(), "vault: take position"), 2);
+  EXPECT_EQ(std::count(log.begin(), log.end(), "vault: write position"), 2);
 }
 
 TEST_P(DeferredTest, PotentialEnergyIsThatOfTheArraysWhoeverWroteThem) {

@@ -311,7 +311,8 @@ TEST_P(LedgerTest, BodiesMayComeAndGo) {
 }
 
 TEST_P(LedgerTest, LawsThatDeferTheirWritesAreBookedLikeTheirTwins) {
-  const auto book = [this](const std::vector<const char*>& laws, const char* beside, bool deferred) {
+  const auto book = [this](const std::vector<const char*>& laws, const char* beside,
+                           bool deferred) {
     Start(8, 0, deferred);
     std::vector<vesper_library_id> ids;
     for (const char* law : laws) ids.push_back(engine->Load(law));

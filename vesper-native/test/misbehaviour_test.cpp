@@ -126,7 +126,8 @@ TEST_P(MisbehaviourTest, BlameIsOfTheFirstStepAndRowWhateverTheNumberOfThreads) 
   for (const uint32_t threads : {1u, 2u, 8u}) {
     const vesper_error error = diverge({.validate = GetParam(), .threads = threads});
     EXPECT_REFUSED(LAW_MISBEHAVED,
-                   "after 2 steps: law euler: property position, row 30000: wrote inf to component 0",
+                   "after 2 steps: law euler: property position, row 30000: "
+                   "wrote inf to component 0",
                    error);
     EXPECT_STREQ(error.property, "position");
     EXPECT_EQ(error.row, 30'000u);

@@ -19,7 +19,8 @@ struct Target {
 
 class CsvReader {
  public:
-  CsvReader(std::string text, const std::string& file) : text_(std::move(text)), place_{file, 0, 1} {}
+  CsvReader(std::string text, const std::string& file)
+      : text_(std::move(text)), place_{file, 0, 1} {}
 
   /// The cells of the next line; false at the end.
   bool NextLine() {
@@ -31,7 +32,8 @@ class CsvReader {
     if (line.ends_with('\r')) line.remove_suffix(1);
     for (size_t begin = 0; begin <= line.size();) {
       const size_t comma = std::min(line.find(',', begin), line.size());
-      cells_.push_back({std::string(line.substr(begin, comma - begin)), static_cast<int>(begin) + 1});
+      cells_.push_back(
+          {std::string(line.substr(begin, comma - begin)), static_cast<int>(begin) + 1});
       begin = comma + 1;
     }
     at_ = end + 1;
@@ -106,7 +108,8 @@ class RowsReader {
         names.push_back(CsvColumnName(property, component));
         if (names.back() != cell.text) continue;
         if ((property.law_access & VESPER_ACCUMULATE) != 0) {
-          reader_.Fail(cell.column, "'" + cell.text + "' is summed up by the engine and cannot be given");
+          reader_.Fail(cell.column,
+                       "'" + cell.text + "' is summed up by the engine and cannot be given");
         }
         for (const Target& other : targets_) {
           if (other.property == &property && other.component == component) {

@@ -18,8 +18,9 @@ using Colour = std::array<uint8_t, 4>;
 /// One colour, or several at even distances, chosen by a property of the row.
 struct Paint {
   std::vector<Colour> colours;
-  std::string property;      // empty: one colour
-  double low = 0, high = 1;  // of the property (the length of a vector), at the first and last colour
+  std::string property;  // empty: one colour
+  /// Of the property (the length of a vector), at the first and the last colour.
+  double low = 0, high = 1;
 };
 
 /// How rows of a kind are drawn. The last line that names a row decides.

@@ -83,7 +83,8 @@ void ReadCamera(SceneReader& reader, Scene& scene) {
   camera.target = Point(reader, "what the camera looks at");
   const Vec3<double> sight = camera.target - camera.eye;
   if (!(std::hypot(sight.x, sight.z) > 1e-3 * Length(sight))) {
-    reader.FailLast("expected a direction that is not along the y axis, which is up in the picture");
+    reader.FailLast(
+        "expected a direction that is not along the y axis, which is up in the picture");
   }
   if (reader.Accept("fov")) camera.fov = NumberIn(reader, "the field of view in degrees", kFovs);
   scene.drawing.camera = camera;

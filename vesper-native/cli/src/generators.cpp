@@ -94,8 +94,10 @@ void FillWeb(SceneReader& reader, const Scene&, AnyColumn& column) {
   const double radius = reader.Quantity("the radius of the outer ring");
   SetRow(reader, column, 0, {0, 0, 0});
   for (uint64_t row = 1; row < column.rows(); ++row) {
-    const double r = radius * static_cast<double>((row - 1) / spokes + 1) / static_cast<double>(rings);
-    const double angle = 2 * M_PI * static_cast<double>((row - 1) % spokes) / static_cast<double>(spokes);
+    const auto ring = static_cast<double>((row - 1) / spokes + 1);
+    const auto spoke = static_cast<double>((row - 1) % spokes);
+    const double r = radius * ring / static_cast<double>(rings);
+    const double angle = 2 * M_PI * spoke / static_cast<double>(spokes);
     SetRow(reader, column, row, {r * std::cos(angle), r * std::sin(angle), 0});
   }
 }
@@ -179,7 +181,8 @@ void FillDistance(SceneReader& reader, const Scene& scene, AnyColumn& column) {
   for (uint64_t row = 0; row < column.rows(); ++row) {
     const double a = endpoints->Get(2 * row), b = endpoints->Get(2 * row + 1);
     if (std::max(a, b) >= static_cast<double>(position->rows())) {
-      reader.FailLast("'endpoints' of row " + std::to_string(row) + " name a body that is not there");
+      reader.FailLast("'endpoints' of row " + std::to_string(row) +
+                      " name a body that is not there");
     }
     const Vec3<double> axis = position->GetVector(static_cast<uint64_t>(b)) -
                               position->GetVector(static_cast<uint64_t>(a));

@@ -43,7 +43,8 @@ struct @CLASS@ {
 VESPER_LAW_LIBRARY("@NAME@", @CLASS@)
 )";
 
-inline constexpr const char* kLawTest = R"(// Compares the law with its closed form, in an engine of its own: @NAME@_test LIBRARY
+inline constexpr const char* kLawTest =
+    R"(// Compares the law with its closed form, in an engine of its own: @NAME@_test LIBRARY
 #include <cstdio>
 #include <vector>
 
@@ -107,8 +108,10 @@ Slows every body down.
 
 ## Mass 0
 
-The law does not look at the mass: it exerts its force on immovable bodies too, and the integrator does not move them.
-
+)"
+    "The law does not look at the mass: it exerts its force on immovable bodies too, and the "
+    "integrator does not move them.\n"
+    R"(
 ## Limits
 
 Real air drags with the square of the speed; this holds for slow motion in a viscous fluid.

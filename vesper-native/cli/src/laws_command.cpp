@@ -132,8 +132,9 @@ void PrintLaw(const Json& law) {
   std::cout << "  " << head << "\n    " << law["doc"].get<std::string>() << "\n";
   TextTable table;
   for (const Json& property : law["properties"]) {
-    table.push_back({property["kind"].get<std::string>() + "." + property["name"].get<std::string>(),
-                     property["type"], "[" + property["unit"].get<std::string>() + "]",
+    const std::string kind = property["kind"], name = property["name"];
+    table.push_back({kind + "." + name, property["type"],
+                     "[" + property["unit"].get<std::string>() + "]",
                      property["access"].get<std::string>() +
                          (property["optional"].get<bool>() ? ", optional" : "")});
   }
@@ -177,8 +178,8 @@ int ListLaws(const LawsOptions& options) {
     for (const Json& library : libraries) PrintLibrary(library);
     if (libraries.empty()) std::cerr << "vesper: no law libraries there\n";
   }
-  const bool all_loaded =
-      std::ranges::none_of(libraries, [](const Json& library) { return library.contains("error"); });
+  const auto failed = [](const Json& library) { return library.contains("error"); };
+  const bool all_loaded = std::ranges::none_of(libraries, failed);
   return all_loaded ? kDone : kNotLoaded;
 }
 

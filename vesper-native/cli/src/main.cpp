@@ -16,7 +16,8 @@ using namespace vesper::cli;
 
 constexpr auto kFooter =
     "Results go to standard output, messages to standard error.\n"
-    "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid scene, 4 a law or the renderer could not be loaded.";
+    "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid scene, 4 a law or the renderer "
+    "could not be loaded.";
 
 void AddRun(CLI::App& app, int& code) {
   auto* command = app.add_subcommand("run", "Applies the laws of a scene, frame by frame.");

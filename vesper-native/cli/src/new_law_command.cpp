@@ -51,9 +51,10 @@ int Fail(int code, const std::string& message) {
 int WriteNewLaw(const NewLawOptions& options) {
   if (!std::regex_match(options.name, std::regex("[a-z][a-z0-9]*(_[a-z0-9]+)*")) ||
       options.name.size() > 47) {
-    return Fail(kWrongUsage, "'" + options.name +
-                                 "' is no name for a law; expected snake_case such as uniform_drag, "
-                                 "at most 47 letters");
+    return Fail(kWrongUsage,
+                "'" + options.name +
+                    "' is no name for a law; expected snake_case such as uniform_drag, "
+                    "at most 47 letters");
   }
   const auto folder = std::filesystem::path(options.folder) / options.name;
   std::error_code error;

@@ -117,16 +117,17 @@ void RendererProcess::Receive(std::span<std::byte> bytes) {
 
 void RendererProcess::FailBroken(int error) {
   if (error == EAGAIN || error == EWOULDBLOCK) {
-    throw RendererError(program_ + " drew no picture in 120 s; ask for a smaller one, or draw less");
+    throw RendererError(program_ +
+                        " drew no picture in 120 s; ask for a smaller one, or draw less");
   }
   int status = 0;
   kill(pid_, SIGKILL);  // no effect on one that ended
   waitpid(pid_, &status, 0);
   pid_ = -1;
-  throw RendererError(program_ + " ended " +
-                      (WIFSIGNALED(status) ? "by signal " + std::to_string(WTERMSIG(status))
-                                           : "with exit code " + std::to_string(WEXITSTATUS(status))) +
-                      " before its picture was done");
+  const std::string how = WIFSIGNALED(status)
+                              ? "by signal " + std::to_string(WTERMSIG(status))
+                              : "with exit code " + std::to_string(WEXITSTATUS(status));
+  throw RendererError(program_ + " ended " + how + " before its picture was done");
 }
 
 }  // namespace vesper::cli

@@ -34,7 +34,10 @@ void EndOnSignals() {
 
 std::string Join(const std::vector<std::string>& texts, char separator) {
   std::string joined;
-  for (const std::string& text : texts) joined += (joined.empty() ? "" : std::string(1, separator)) + text;
+  for (const std::string& text : texts) {
+    if (!joined.empty()) joined += separator;
+    joined += text;
+  }
   return joined;
 }
 

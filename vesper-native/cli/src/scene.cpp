@@ -92,7 +92,8 @@ class SceneParser {
       if (property.name != name) continue;
       if (property.kind != kind_) {
         reader_.FailLast("'" + name + "' is a property of " + property.kind +
-                         (kind_.empty() ? "" : ", not of " + kind_) + "; it belongs below 'rows " + property.kind + " …'");
+                         (kind_.empty() ? "" : ", not of " + kind_) +
+                         "; it belongs below 'rows " + property.kind + " …'");
       }
       if ((property.law_access & VESPER_ACCUMULATE) != 0) {
         reader_.FailLast("'" + name + "' is summed up by the engine and cannot be given" +
@@ -172,7 +173,9 @@ class SceneParser {
     kind_ = reader_.Word("a kind");
     const Names kinds = Kinds();
     if (std::ranges::find(kinds, kind_) == kinds.end()) reader_.FailUnknown("kind", kinds);
-    if (scene_.rows.contains(kind_)) reader_.FailLast("the rows of " + kind_ + " were given before");
+    if (scene_.rows.contains(kind_)) {
+      reader_.FailLast("the rows of " + kind_ + " were given before");
+    }
     if (reader_.Accept("from")) {
       const std::string file = FromFolderOf(scene_.file, reader_.Word("the name of a CSV file"));
       ReadCsvRows(file, kind_, scene_);
@@ -225,12 +228,18 @@ class SceneParser {
 };
 
 const std::array<SceneParser::Statement, 13> SceneParser::kStatements{{
-    {"prototype", &SceneParser::ReadPrototype}, {"dt", &SceneParser::ReadDt},
-    {"steps", &SceneParser::ReadSteps},         {"law", &SceneParser::ReadLaw},
-    {"rows", &SceneParser::ReadRows},           {"at", &SceneParser::ReadAt},
-    {"csv", &SceneParser::ReadCsv},             {"image", &SceneParser::Apply<ReadImage>},
-    {"camera", &SceneParser::Apply<ReadCamera>}, {"background", &SceneParser::Apply<ReadBackground>},
-    {"ground", &SceneParser::Apply<ReadGround>}, {"draw", &SceneParser::Apply<ReadDraw>},
+    {"prototype", &SceneParser::ReadPrototype},
+    {"dt", &SceneParser::ReadDt},
+    {"steps", &SceneParser::ReadSteps},
+    {"law", &SceneParser::ReadLaw},
+    {"rows", &SceneParser::ReadRows},
+    {"at", &SceneParser::ReadAt},
+    {"csv", &SceneParser::ReadCsv},
+    {"image", &SceneParser::Apply<ReadImage>},
+    {"camera", &SceneParser::Apply<ReadCamera>},
+    {"background", &SceneParser::Apply<ReadBackground>},
+    {"ground", &SceneParser::Apply<ReadGround>},
+    {"draw", &SceneParser::Apply<ReadDraw>},
     {"galaxy", &SceneParser::Apply<ReadGalaxy>},
 }};
 

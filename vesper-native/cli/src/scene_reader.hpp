@@ -37,8 +37,8 @@ class SceneReader {
   Value ReadValue(const std::string& what);
   /// Row numbers and ranges A..B up to where they end, all below `rows`.
   std::vector<uint64_t> RowNumbers(uint64_t rows, const std::string& kind);
-  /// From here on quantities are those of `what`, kept in `unit`: if the line ends with a unit, they
-  /// are converted from it.
+  /// From here on quantities are those of `what`, kept in `unit`: if the line ends with a unit,
+  /// they are converted from it.
   void UseUnit(const vesper_unit& unit, const std::string& what);
   /// Refuses a unit at the end of the line.
   void RefuseUnit(const std::string& reason) const;
@@ -51,9 +51,12 @@ class SceneReader {
   Place LineStart() const;
   /// Of the word that was taken last.
   Place Last() const;
-  [[noreturn]] void FailLast(const std::string& message) const { throw SceneError(Last(), message); }
+  [[noreturn]] void FailLast(const std::string& message) const {
+    throw SceneError(Last(), message);
+  }
   /// Refuses the last word, which is none of `known`; suggests the nearest of them.
-  [[noreturn]] void FailUnknown(const std::string& what, const std::vector<std::string>& known) const;
+  [[noreturn]] void FailUnknown(const std::string& what,
+                                const std::vector<std::string>& known) const;
 
  private:
   const Token& Take(const std::string& what);

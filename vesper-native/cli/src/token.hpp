@@ -32,8 +32,9 @@ struct Token {
   bool is_unit() const { return !quoted && text.starts_with('['); }
 };
 
-/// Tokens of one line up to a comment, which is `#` at the start of a word and before a blank or
-/// the end of the line. Throws SceneError for a quote or a unit without its end and for control characters.
+/// Tokens of one line up to a comment, which is `#` at the start of a word and before a blank
+/// or the end of the line. Throws SceneError for a quote or a unit without its end and for
+/// control characters.
 std::vector<Token> Tokenize(std::string_view line, Place place);
 
 /// "1.5", "-2e3" or a fraction such as "1/240". False if `text` is no finite number.

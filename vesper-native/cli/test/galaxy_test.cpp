@@ -12,7 +12,8 @@ namespace {
 using Vector = Vec3<double>;
 
 constexpr uint64_t kBodies = 4000, kDisc = kBodies / 2;
-constexpr auto kLine = "galaxy 0..3999: mass 3 radius 2 at (7 8 9) moving (1 -2 3) axis (1 1 0) seed ";
+constexpr auto kLine =
+    "galaxy 0..3999: mass 3 radius 2 at (7 8 9) moving (1 -2 3) axis (1 1 0) seed ";
 
 Scene Galaxy(const std::string& line) {
   return ParseScene(

@@ -15,7 +15,8 @@ Scene Parse(const std::string& body) { return ParseScene(kHead + body, "s"); }
 std::vector<double> Values(const Scene& scene, const std::string& property) {
   std::vector<double> values;
   const AnyColumn* column = scene.Find(property);
-  for (uint64_t i = 0; column != nullptr && i < column->size(); ++i) values.push_back(column->Get(i));
+  const uint64_t count = column == nullptr ? 0 : column->size();
+  for (uint64_t i = 0; i < count; ++i) values.push_back(column->Get(i));
   return values;
 }
 
@@ -278,11 +279,11 @@ const Wrong kWrong[] = {
     {"at 1: length 1", "7: 'length' is a property of spring, not of body; it belongs below 'rows "
                        "spring …'"},
     {"mass all 1 [m]", "12: [m] is no unit of 'mass'; expected one of the same dimension as [kg]"},
-    {"mass all 1 [kq]", "12: INVALID_ARGUMENT: unit 'kq', column 1: unknown unit 'kq'; did you mean "
-                        "'kg'?"},
+    {"mass all 1 [kq]", "12: INVALID_ARGUMENT: unit 'kq', column 1: unknown unit 'kq'; did you "
+                         "mean 'kg'?"},
     {"mass all 1 [kg", "12: '[' without its ']'"},
-    {"mass all [kg] 1", "10: found '[kg]'; expected a value of 'mass', a number such as 1.5, 2e-3 or "
-                        "1/240"},
+    {"mass all [kg] 1", "10: found '[kg]'; expected a value of 'mass', a number such as 1.5, 2e-3 "
+                        "or 1/240"},
     {"at 1: length 1 [kg]", "7: 'length' is a property of spring, not of body; it belongs below "
                             "'rows spring …'"},
     {"steps 4 [s]", "9: a unit does not belong here; expected the end of the line"},
@@ -290,21 +291,22 @@ const Wrong kWrong[] = {
     {"image 10 9000", "10: a picture has at most 8192 pixels a side and 16777216 in all"},
     {"camera (0 0 1)", "8: found '('; expected 'from'"},
     {"camera from (0 0) at (0 0 0)", "17: expected where the camera is, a point such as (0 1 5)"},
-    {"camera from (0 9 0) at (0 0 0)", "30: expected a direction that is not along the y axis, which "
-                                       "is up in the picture"},
-    {"camera from (0 0 1) at (0 0 0) fov 180", "36: expected the field of view in degrees, from 0.1 "
-                                               "to 170"},
+    {"camera from (0 9 0) at (0 0 0)", "30: expected a direction that is not along the y axis, "
+                                       "which is up in the picture"},
+    {"camera from (0 0 1) at (0 0 0) fov 180", "36: expected the field of view in degrees, from "
+                                               "0.1 to 170"},
     {"background red", "12: found 'red'; expected a colour such as #3498db"},
     {"draw surface", "6: 'surface' has no rows yet"},
-    {"draw body", "6: 'body' cannot be drawn: it has neither 'position' nor two or three references "
-                  "to a kind that has"},
+    {"draw body", "6: 'body' cannot be drawn: it has neither 'position' nor two or three "
+                  "references to a kind that has"},
     {"csv positoin", "5: 'positoin' is no property; did you mean 'position'?"},
 };
 INSTANTIATE_TEST_SUITE_P(Lines, SceneLineErrorTest, ::testing::ValuesIn(kWrong));
 
 const Wrong kWrongDrawing[] = {
     {"draw body raduis 1", "11: 'raduis' is no option of 'draw body'; did you mean 'radius'?"},
-    {"draw body width 1", "11: 'width' is no option of 'draw body'; there are colour, radius, unlit"},
+    {"draw body width 1", "11: 'width' is no option of 'draw body'; there are colour, radius, "
+                          "unlit"},
     {"draw body radius -1", "18: expected a radius of at least 0"},
     {"draw body 3 radius 1", "11: body has 3 rows; they count from 0"},
     {"draw body colour #12345", "18: found '#12345'; expected a colour such as #3498db"},

@@ -79,8 +79,8 @@ typedef struct vesper_engine_config {
    *  edits an array, and touches what it edited. Since 1.1. */
   uint32_t deferred;
   /** 1: the client touches every array that it edited, so that what laws made of the others (copies
-   *  on a device, springs in another order) still holds; `deferred` 1 asks for the same. 0: any array
-   *  may have been edited between two calls. Since 1.1. */
+   *  on a device, springs in another order) still holds; `deferred` 1 asks for the same. 0: any
+   *  array may have been edited between two calls. Since 1.1. */
   uint32_t touches;
 } vesper_engine_config;
 
@@ -160,11 +160,13 @@ VESPER_API void vesper_prototype_free(vesper_prototype* prototype) VESPER_NOEXCE
 VESPER_API vesper_status vesper_unit_parse(const char* text, vesper_unit* out,
                                            vesper_error* error) VESPER_NOEXCEPT;
 
-/** Fills the first `size` bytes, sizeof *config as the client was built, with defaults. Since 1.1. */
+/** Fills the first `size` bytes, sizeof *config as the client was built, with defaults.
+ *  Since 1.1. */
 VESPER_API void vesper_engine_config_init_sized(vesper_engine_config* config,
                                                 uint64_t size) VESPER_NOEXCEPT;
-/** The same as a function without `size`, as clients built for 1.0 call it: it fills their 48 bytes
- *  and no more. In source, `vesper_engine_config_init(&config)` is the macro, which knows the size. */
+/** The same as a function without `size`, as clients built for 1.0 call it: it fills their 48
+ *  bytes and no more. In source, `vesper_engine_config_init(&config)` is the macro, which knows
+ *  the size. */
 VESPER_API void vesper_engine_config_init(vesper_engine_config* config) VESPER_NOEXCEPT;
 #define vesper_engine_config_init(config) \
   vesper_engine_config_init_sized((config), sizeof(*(config)))
@@ -252,11 +254,11 @@ VESPER_API vesper_status vesper_engine_law_info(const vesper_engine* engine,
 
 /** Applies all laws for `steps` steps of `dt` [time unit]: all steps count, or none. If a step
  *  fails, the engine is FAULTED, its time has not moved, and written arrays are undefined: restore
- *  them and call `vesper_engine_clear_fault`, or unload the library named in `error`. NaN or infinity
- *  is told from where it came: LAW_MISBEHAVED if a law wrote it, INVALID_ARGUMENT with property and
- *  row, and no library, if a law only read it.
- *  What is wrong before the first step is no fault: nothing was written, and another call is right as
- *  soon as the reason is gone. That is a bad `dt`, arrays that disagree on their rows
+ *  them and call `vesper_engine_clear_fault`, or unload the library named in `error`. NaN or
+ *  infinity is told from where it came: LAW_MISBEHAVED if a law wrote it, INVALID_ARGUMENT with
+ *  property and row, and no library, if a law only read it.
+ *  What is wrong before the first step is no fault: nothing was written, and another call is right
+ *  as soon as the reason is gone. That is a bad `dt`, arrays that disagree on their rows
  *  (COUNT_MISMATCH) or share memory that laws may write (ACCESS_CONFLICT), a reference out of range
  *  (INVALID_ARGUMENT), a property that a law needs and nobody bound (NOT_FOUND), a law that refuses
  *  its arrays (LAW_FAILED), a provider of the client's that fails. */
@@ -266,22 +268,23 @@ VESPER_API vesper_status vesper_engine_clear_fault(vesper_engine* engine,
                                                    vesper_error* error) VESPER_NOEXCEPT;
 /** Makes arrays fresh whose newest values a law keeps elsewhere; `names` null: all. Nothing to do
  *  unless `vesper_engine_config.deferred` is 1. Unload, find, state_hash and save_state do it for
- *  what they concern; destroy does not. If it fails, or if what a law gives is not finite, the engine
- *  is FAULTED as after a failed step, but the steps stay counted: go back to a saved state.
+ *  what they concern; destroy does not. If it fails, or if what a law gives is not finite, the
+ *  engine is FAULTED as after a failed step, but the steps stay counted: go back to a saved state.
  *  Arrays that the client touches or rebinds count as they are, whatever a law keeps. */
 VESPER_API vesper_status vesper_engine_synchronize(vesper_engine* engine, const char* const* names,
                                                    uint32_t count,
                                                    vesper_error* error) VESPER_NOEXCEPT;
-/** Says that the client moves row `from` of a kind to row `to` <= `from`, whose own item is gone, as
- *  when the last row fills the gap of one that was removed: what laws keep in SCRATCH moves along,
- *  and row `from` is as new. `from == to`: the item of that row is gone. Needed only where a row
- *  stands for another item than before; rows added or cut off at the end the engine sees itself. */
+/** Says that the client moves row `from` of a kind to row `to` <= `from`, whose own item is
+ *  gone, as when the last row fills the gap of one that was removed: what laws keep in SCRATCH
+ *  moves along, and row `from` is as new. `from == to`: the item of that row is gone. Needed
+ *  only where a row stands for another item than before; rows added or cut off at the end the
+ *  engine sees itself. */
 VESPER_API vesper_status vesper_engine_move_row(vesper_engine* engine, const char* kind,
                                                 uint64_t from, uint64_t to,
                                                 vesper_error* error) VESPER_NOEXCEPT;
-/** What lives in the engine and in no array of the client: step count and time, and what laws keep in
- *  SCRATCH. Together with the arrays it continues a run to the bit, in this process or another of
- *  this machine's kind. `out`: bytes that save writes at present. */
+/** What lives in the engine and in no array of the client: step count and time, and what laws keep
+ *  in SCRATCH. Together with the arrays it continues a run to the bit, in this process or another
+ *  of this machine's kind. `out`: bytes that save writes at present. */
 VESPER_API vesper_status vesper_engine_state_size(vesper_engine* engine, uint64_t* out,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Writes the state to `out` (size bytes, as state_size said): versioned, with a checksum. */
@@ -294,8 +297,8 @@ VESPER_API vesper_status vesper_engine_load_state(vesper_engine* engine, const v
                                                   uint64_t size,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** Counts on as if `steps` steps of `dt` [s] had been done, from time 0: for arrays that come from
- *  such a run, without its saved state. What laws keep in SCRATCH stays. INVALID_ARGUMENT if `dt` is
- *  not finite or not above 0. */
+ *  such a run, without its saved state. What laws keep in SCRATCH stays. INVALID_ARGUMENT if `dt`
+ *  is not finite or not above 0. */
 VESPER_API vesper_status vesper_engine_set_step_count(vesper_engine* engine, uint64_t steps,
                                                       double dt,
                                                       vesper_error* error) VESPER_NOEXCEPT;
@@ -316,8 +319,8 @@ VESPER_API vesper_status vesper_engine_state_hash(vesper_engine* engine, uint64_
 VESPER_API vesper_status vesper_engine_set_ledger(vesper_engine* engine, uint32_t on,
                                                   vesper_error* error) VESPER_NOEXCEPT;
 /** The line of a law of a loaded library, or, of VESPER_NO_LIBRARY, one of VESPER_LEDGER_…, as of
- *  the last advance that succeeded; the caller has set struct_size. NOT_FOUND if there is no
- *  such line or the ledger is off; FAULTED after a failed step where potential energy is asked for. */
+ *  the last advance that succeeded; the caller has set struct_size. NOT_FOUND if there is no such
+ *  line or the ledger is off; FAULTED after a failed step where potential energy is asked for. */
 VESPER_API vesper_status vesper_engine_ledger(vesper_engine* engine, vesper_library_id library,
                                               uint32_t line, vesper_ledger_entry* out,
                                               vesper_error* error) VESPER_NOEXCEPT;

@@ -54,7 +54,7 @@ typedef struct vesper_host {
 /** One step, as laws see it. Owned by the engine, valid during the call. */
 typedef struct vesper_step {
   uint32_t struct_size;
-  uint32_t stage;       /**< 0 before the first force evaluation (integrators), else 1..stage_count. */
+  uint32_t stage; /**< 0 before the first force evaluation (integrators), else 1..stage_count. */
   uint32_t stage_count; /**< Force evaluations in this step. */
   uint32_t reserved;
   double dt;      /**< [time unit of the prototype], > 0. */
@@ -75,10 +75,10 @@ typedef struct vesper_step {
  *  does. Only uses of the same library that are DEFERRED too see the copy. What is accumulated
  *  starts from zero in the copy as well; where other laws accumulate too, the engine has the array
  *  written at once, to sum it.
- *  When to take the array: `bind` is called before `advance` and `potential_energy` whenever somebody
- *  else wrote the array, and shows another `version` then. So a library keeps, with each copy, the
- *  version that it took it at; if `bind` shows another one, the copy is stale and the array is not;
- *  else the copy counts. */
+ *  When to take the array: `bind` is called before `advance` and `potential_energy` whenever
+ *  somebody else wrote the array, and shows another `version` then. So a library keeps, with each
+ *  copy, the version that it took it at; if `bind` shows another one, the copy is stale and the
+ *  array is not; else the copy counts. */
 #define VESPER_USE_DEFERRED 2u
 
 /** A property that a law uses. Matched by name; kind, type, components and dimension must agree. If
@@ -136,8 +136,9 @@ typedef struct vesper_law_desc {
    *  by the engine. Called between frames. */
   vesper_status (*create)(const vesper_host* host, vesper_suite* suite, const double* parameters,
                           vesper_law** out, vesper_error* error);
-  /** Hands over the arrays: one entry per declared use, in that order; borrowed until the next
-   *  `bind` or `destroy`. Called before the first `advance` and again after each rebind or touch. */
+  /** Hands over the arrays: one entry per declared use, in that order; borrowed until the
+   *  next `bind` or `destroy`. Called before the first `advance` and again after each rebind
+   *  or touch. */
   vesper_status (*bind)(vesper_law* law, const vesper_property* properties, vesper_error* error);
   /** Applies the law for one stage of one step. */
   vesper_status (*advance)(vesper_law* law, const vesper_step* step, vesper_error* error);
@@ -147,16 +148,16 @@ typedef struct vesper_law_desc {
    *  they derive from none. */
   vesper_status (*potential_energy)(vesper_law* law, double* out, vesper_error* error);
   /** Writes every row of the array of use `use`, its place in `uses`, which is DEFERRED and which
-   *  this law was the last to write. Between calls of `advance`, on the thread of the client; checked
-   *  for NaN and infinity like what `advance` writes. May be null where no written use is DEFERRED.
-   *  Since 1.1. */
+   *  this law was the last to write. Between calls of `advance`, on the thread of the client;
+   *  checked for NaN and infinity like what `advance` writes. May be null where no written use is
+   *  DEFERRED. Since 1.1. */
   vesper_status (*synchronize)(vesper_law* law, uint32_t use, vesper_error* error);
   /** Since 1.1. INTEGRATE, for the ledger: 1 + stages weights whose sum is 1, or null: 0, and the
    *  same for each stage. In a step the velocity changes by dt / mass times the weighted sum of the
    *  forces: [0] of those that the step before ended with, then of each stage's. */
   const double* force_weights;
-  /** Since 1.1. INTEGRATE: the first stage that the law is called for, 0 or 1. 1: it has nothing to do
-   *  before the forces, and is not asked. Else 0. */
+  /** Since 1.1. INTEGRATE: the first stage that the law is called for, 0 or 1. 1: it has nothing to
+   *  do before the forces, and is not asked. Else 0. */
   uint32_t first_stage;
   uint32_t reserved1;
 } vesper_law_desc;

@@ -24,7 +24,7 @@
  *     };
  *     VESPER_LAW_LIBRARY("uniform_weight", UniformWeight)
  *
- * Members that a law must have: kName, kVersion, kDoc, kPhase, Properties(), Advance(). It may have:
+ * A law must have kName, kVersion, kDoc, kPhase, Properties() and Advance(). It may have:
  *   uint32_t kStages        force evaluations per step of an integrator; 1 if absent
  *   uint32_t kFirstStage    1 if an integrator has nothing to do before the first of them (stage 0)
  *   std::array<double, 1 + kStages> kForceWeights
@@ -35,13 +35,13 @@
  *   double PotentialEnergy()  [J] of the present state
  *   void Synchronize(auto& column)  writes a Deferred column of its own; needed if it has one
  *   using Suite = S;        a class that the laws of the library share: one S for each engine, made
- *   void Join(Suite&)       with S() before its laws and dropped after them; handed to each law once
- *                           it has its parameters, in the order of the library
+ *   void Join(Suite&)       with S() before its laws and dropped after them; handed to each law
+ *                           once it has its parameters, in the order of the library
  *
  * The law is default-constructed once when its library is opened, to read the declarations, and
  * once for every engine that loads it. Names and docs must be string literals. An exception thrown
- * by the constructor or by Join at load, by Bind, Advance or PotentialEnergy becomes LAW_FAILED with its
- * what() as message.
+ * by the constructor or by Join at load, by Bind, Advance or PotentialEnergy becomes LAW_FAILED
+ * with its what() as message.
  */
 #ifndef VESPER_LAW_HPP_
 #define VESPER_LAW_HPP_

@@ -118,8 +118,8 @@ class Column {
   /** Rows; 0 if an optional property is absent. */
   uint64_t size() const { return size_; }
   const char* name() const { return name_; }
-  /** Another number once the client has touched or rebound the property; of a Deferred column, whenever
-   *  anybody else wrote the array. */
+  /** Another number once the client has touched or rebound the property; of a Deferred column,
+   *  whenever anybody else wrote the array. */
   uint64_t version() const { return version_; }
   /** False if the prototype lacks this optional property or the client gave no array for it. */
   bool present() const requires((flags & VESPER_USE_OPTIONAL) != 0) { return data_ != nullptr; }

@@ -6,10 +6,11 @@
  * Optional: only laws that include this header need Eigen (3.4, Debian package libeigen3-dev). Maps
  * own and copy nothing; what a law only reads is const in its map as well.
  *
- * Eigen would choose the order of its sums by the vector unit that it is compiled for. Here its own
- * vectorisation is off, in every header of Eigen that follows this one, and its threads too; so the
- * bits depend neither on the CPU nor on compiler flags, and the compiler still vectorises what
- * keeps them. A failed assertion of Eigen (builds without NDEBUG) throws, and so becomes LAW_FAILED.
+ * Eigen would choose the order of its sums by the vector unit that it is compiled for. Here its
+ * own vectorisation is off, in every header of Eigen that follows this one, and its threads
+ * too; so the bits depend neither on the CPU nor on compiler flags, and the compiler still
+ * vectorises what keeps them. A failed assertion of Eigen (builds without NDEBUG) throws, and
+ * so becomes LAW_FAILED.
  *
  * Whole-column expressions allocate nothing while Eigen needs no temporary: fixed-size vectors and
  * element-wise arithmetic never do, products of dynamic matrices do.
@@ -18,7 +19,8 @@
 #define VESPER_LAW_EIGEN_HPP_
 
 #if defined(EIGEN_WORLD_VERSION) && !defined(EIGEN_DONT_VECTORIZE)
-#error "include vesper/law_eigen.hpp before any header of Eigen: it switches off what makes bits depend on the CPU"
+#error "include vesper/law_eigen.hpp before any header of Eigen: it switches off \
+what makes bits depend on the CPU"
 #endif
 
 #include <stdexcept>

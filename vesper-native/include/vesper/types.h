@@ -9,8 +9,8 @@
  * `struct_size` of their first element as stride. Fields named `reserved` are zero.
  *
  * Frozen within a major version: `vesper_error`, `vesper_unit` and `vesper_layout_entry`, which do
- * not say their size; `vesper_property`, of which laws get arrays; and `vesper_field`, which is part of
- * other structs.
+ * not say their size; `vesper_property`, of which laws get arrays; and `vesper_field`, which is
+ * part of other structs.
  */
 #ifndef VESPER_TYPES_H_
 #define VESPER_TYPES_H_
@@ -21,7 +21,8 @@
 extern "C" {
 #endif
 
-/** Version of this contract: laws and engine must share the major one (see `vesper_law_library`). */
+/** Version of this contract: laws and engine must share the major one (see
+ *  `vesper_law_library`). */
 #define VESPER_ABI_MAJOR 1u
 #define VESPER_ABI_MINOR 1u
 #define VESPER_ABI_VERSION ((VESPER_ABI_MAJOR << 16) | VESPER_ABI_MINOR)
@@ -33,7 +34,7 @@ typedef int32_t vesper_status;
 #define VESPER_NOT_FOUND 2            /**< No property, law, library or prototype of that name. */
 #define VESPER_ALREADY_EXISTS 3       /**< The name is taken. */
 #define VESPER_BUSY 4                 /**< The engine is inside `advance`. */
-#define VESPER_ABI_MISMATCH 5         /**< Built for another contract, or asks for more than this one. */
+#define VESPER_ABI_MISMATCH 5         /**< Of another contract, or asks for more than this one. */
 #define VESPER_TYPE_MISMATCH 6        /**< Scalar type or number of components differ. */
 #define VESPER_UNIT_MISMATCH 7        /**< Units differ in dimension, or no real type. */
 #define VESPER_COUNT_MISMATCH 8       /**< Properties of one kind have different row counts. */
@@ -58,9 +59,9 @@ typedef uint32_t vesper_access;
 #define VESPER_WRITE 2u       /**< Every row is written before the law returns; not read. */
 #define VESPER_READ_WRITE 3u
 #define VESPER_ACCUMULATE 4u  /**< Added to; the engine zeroes it and sums over laws. FORCE only. */
-#define VESPER_SCRATCH 8u     /**< No property of the client: memory that the engine keeps for the law,
-                                   `components` values for each row of the kind, zero at first. The
-                                   law reads and writes it in `advance` only. */
+#define VESPER_SCRATCH 8u     /**< No property of the client: memory that the engine keeps for the
+                                   law, `components` values for each row of the kind, zero at
+                                   first. The law reads and writes it in `advance` only. */
 
 /** When a law runs within a step. Order of execution: phase, then order of loading. */
 typedef uint32_t vesper_phase;
@@ -133,8 +134,8 @@ typedef struct vesper_property_descriptor {
   const char* doc;          /**< One line, may be null. */
   uint32_t has_minimum;     /**< 1: `minimum` counts. Only for numbers that laws READ. Since 1.1. */
   uint32_t reserved;
-  double minimum; /**< Least value [unit] of every component: the client's arrays are held to it when
-                       they are added, rebound or touched. Since 1.1. */
+  double minimum; /**< Least value [unit] of every component: the client's arrays are held to it
+                       when they are added, rebound or touched. Since 1.1. */
 } vesper_property_descriptor;
 
 /** The contract of one use: which properties exist. The engine copies it at create; types and

@@ -87,7 +87,9 @@ std::string CheckRotation(const Subject& of) {
 std::string CheckPotentialEnergy(const Subject& of) {
   const LawsUnderTest subject(of);
   const vesper_law_desc& desc = *subject.laws().front();
-  if (subject.real_type() != VESPER_F64) throw CheckSkipped("differences of f32 energies say nothing");
+  if (subject.real_type() != VESPER_F64) {
+    throw CheckSkipped("differences of f32 energies say nothing");
+  }
   if (subject.laws().size() > 1) throw CheckSkipped("the forces of a suite cannot be told apart");
   if (desc.potential_energy == nullptr) throw CheckSkipped("has none");
   const double h = 1e-5;

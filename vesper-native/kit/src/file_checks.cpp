@@ -37,7 +37,8 @@ void ExpectSameDeclaration(const vesper_law_desc& f32, const vesper_law_desc& f6
   Expect(f32.use_count == f64.use_count, name + " uses another number of properties");
   for (uint32_t u = 0; u < f32.use_count; ++u) {
     const vesper_property_use &a = f32.uses[u], &b = f64.uses[u];
-    Expect(a.name == std::string(b.name), name + " uses " + Quote(a.name) + " and " + Quote(b.name));
+    Expect(a.name == std::string(b.name),
+           name + " uses " + Quote(a.name) + " and " + Quote(b.name));
     Expect(a.access == b.access, name + " accesses " + Quote(a.name) + " in another way");
     Expect((a.scalar_type == VESPER_F32) == (b.scalar_type == VESPER_F64),
            name + " has another type for " + Quote(a.name));
@@ -57,8 +58,8 @@ std::string CheckExports(const Subject& subject) {
 std::string CheckImports(const Subject& subject) {
   // The runtime of a sanitizer is the author's own doing, to find faults.
   const std::string standard =
-      "libc\\.so\\.6|libm\\.so\\.6|libstdc\\+\\+\\.so\\.6|libgcc_s\\.so\\.1|ld-linux[^/]*\\.so\\.[0-9]+|"
-      "lib(asan|lsan|tsan|ubsan)\\.so\\.[0-9]+";
+      "libc\\.so\\.6|libm\\.so\\.6|libstdc\\+\\+\\.so\\.6|libgcc_s\\.so\\.1|"
+      "ld-linux[^/]*\\.so\\.[0-9]+|lib(asan|lsan|tsan|ubsan)\\.so\\.[0-9]+";
   const std::regex file(standard), provider(".*\\((" + standard + ").*\\)");
   const LawFile library(subject.file);
   for (const std::string& needed : library.Needed()) {

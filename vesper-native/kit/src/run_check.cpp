@@ -35,7 +35,9 @@ void WriteAll(int file, const std::string& text) {
 std::string ReadAll(int file) {
   std::string all;
   char part[4096];
-  for (ssize_t n; (n = read(file, part, sizeof part)) > 0;) all.append(part, static_cast<size_t>(n));
+  for (ssize_t n; (n = read(file, part, sizeof part)) > 0;) {
+    all.append(part, static_cast<size_t>(n));
+  }
   close(file);
   return all;
 }

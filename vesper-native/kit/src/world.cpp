@@ -14,7 +14,9 @@ namespace {
 const std::string kOrientation = "orientation", kPosition = "position", kRadius = "radius";
 
 /// Half the side of the box that holds the bodies [m], about one per cubic metre.
-double ReachOf(uint64_t bodies) { return std::max(2.0, std::cbrt(static_cast<double>(bodies)) / 2); }
+double ReachOf(uint64_t bodies) {
+  return std::max(2.0, std::cbrt(static_cast<double>(bodies)) / 2);
+}
 
 void Normalise(AnyColumn& column, uint64_t row) {
   const uint32_t n = column.descriptor().components;
@@ -59,7 +61,9 @@ std::vector<vesper_property_descriptor> DescriptorsFor(
     }
   }
   for (const vesper_field_desc& field : brings) {
-    const auto named = [&](const auto& property) { return property.name == std::string(field.name); };
+    const auto named = [&](const auto& property) {
+      return property.name == std::string(field.name);
+    };
     if (std::ranges::any_of(all, named)) continue;
     all.push_back({sizeof(vesper_property_descriptor), VESPER_FIELD, field.name, "world",
                    field.components, VESPER_READ, field.unit, nullptr, nullptr, field.doc, 0,
@@ -93,8 +97,8 @@ World::World(vesper_scalar_type real_type, const std::vector<const vesper_law_de
   }
 }
 
-// Each body within a metre of the one before it in every direction: what refers to neighbouring rows
-// is then as small as lengths and radii are.
+// Each body within a metre of the one before it in every direction: what refers to neighbouring
+// rows is then as small as lengths and radii are.
 void World::Place(AnyColumn& column, const std::function<double(double, double)>& draw) {
   const double reach = ReachOf(column.rows());
   Vec3<double> at{draw(-reach, reach), draw(-reach, reach), draw(-reach, reach)};

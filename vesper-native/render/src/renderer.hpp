@@ -27,8 +27,8 @@ struct GraphicsInfo {
 /// What each pixel of a picture shows at its middle, rows from the bottom to the top.
 struct Seen {
   uint32_t width = 0, height = 0;  ///< [px]
-  std::vector<uint32_t> item;      ///< (height x width), 0 where there is nothing
-  std::vector<float> depth;        ///< (height x width) along the view [m], 0 where there is nothing
+  std::vector<uint32_t> item;      ///< (height x width), 0 where nothing is
+  std::vector<float> depth;        ///< (height x width) along the view [m], 0 where nothing is
 };
 
 /// Belongs to the thread that made it: a GL context is current on one thread.

@@ -10,7 +10,8 @@ namespace {
 
 using MaterialTest = PictureTest;
 
-constexpr std::array kQuarters{kRed, kGreen, kBlue, kWhite};  // upper left, right, lower left, right
+/// Upper left, upper right, lower left, lower right.
+constexpr std::array kQuarters{kRed, kGreen, kBlue, kWhite};
 
 /// Seen along -z, 4 wide and 3 high, 100 pixels per metre.
 Message Front() { return Orthographic({0, 0, 9}, {0, 0, 0}, 3); }
@@ -90,7 +91,8 @@ TEST_F(MaterialTest, MeshesWearTexturesWhereTheirCoordinatesSay) {
 
 TEST_F(MaterialTest, ColoursOfItemMaterialAndTextureMultiplyInLinearLight) {
   const Picture picture =
-      Draw({Front(), Texture(1, 1, 1, {{255, 188, 255, 255}}), Material(1, {188, 255, 255, 255}, 1, 0, 1),
+      Draw({Front(), Texture(1, 1, 1, {{255, 188, 255, 255}}),
+            Material(1, {188, 255, 255, 255}, 1, 0, 1),
             Instances(2, {Unlit({}, {2, 2, 2}, {188, 188, 0, 255})}, 0, {1})});
   const Rgba shown = picture.At(200, 150);  // 188 is half the light of 255
   EXPECT_NEAR(shown[0], 137, 2);
@@ -116,8 +118,9 @@ TEST_F(MaterialTest, LooseTrianglesBlendTheColoursOfTheirCorners) {
 TEST_F(MaterialTest, LooseTrianglesCastShadows) {
   const Vec3 a{-1, 1, -1}, b{1, 1, -1}, c{0, 1, 1};
   const Message ground = Instances(3, {{{}, {4, 0, 4}, kWhite, 0}});
-  const std::vector<Message> scene{Image(400, 300, 0, 1), Orthographic({0, 0.5F, 9}, {0, 0.5F, 0}, 3),
-                                   ground, Perspective({0, 4, 8}, {0, 0, 0}, 0.5F)};
+  const std::vector<Message> scene{Image(400, 300, 0, 1),
+                                   Orthographic({0, 0.5F, 9}, {0, 0.5F, 0}, 3), ground,
+                                   Perspective({0, 4, 8}, {0, 0, 0}, 0.5F)};
   std::vector<Message> covered = scene;
   covered.push_back(Triangles({{{a, c, b}, {kRed, kRed, kRed}}}));
   const auto dark = [](const Picture& picture) {
@@ -139,7 +142,8 @@ std::pair<size_t, int> Highlight(const Picture& picture) {
 TEST_F(MaterialTest, RougherSurfacesHaveLargerAndDimmerHighlights) {
   const auto ball = [](float roughness) {
     return Draw({Front(), Environment(kBlack, kBlack, {0, 0, 1}, 0.6F, 0.3F),
-                 Material(1, kWhite, roughness, 0), Instances(1, {{{}, {2, 2, 2}, kRed, 0}}, 0, {1})});
+                 Material(1, kWhite, roughness, 0),
+                 Instances(1, {{{}, {2, 2, 2}, kRed, 0}}, 0, {1})});
   };
   const auto [smooth_size, smooth_peak] = Highlight(ball(0.25F));
   const auto [plain_size, plain_peak] = Highlight(ball(0.45F));

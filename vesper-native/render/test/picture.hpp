@@ -89,6 +89,8 @@ class PictureTest : public testing::Test {
   static inline std::unique_ptr<Renderer> renderer_;
 };
 
-inline Item Unlit(Vec3 position, Vec3 size, Rgba colour) { return {position, size, colour, kUnlit}; }
+inline Item Unlit(Vec3 position, Vec3 size, Rgba colour) {
+  return {position, size, colour, kUnlit};
+}
 
 }  // namespace vesper::render::test

@@ -35,15 +35,16 @@ TEST_F(SenseTest, ABallOnTheAxisIsADiscOfItsAngularSizeAsDeepAsItsSurface) {
 }
 
 TEST_F(SenseTest, DepthIsAlongTheViewAndNotAlongTheRay) {
-  const Seen seen = Sense({Perspective({0, 0, 5}, {0, 0, 0}, 1.0F),
-                           Instances(2, {Item{{0, 0, -1}, {100, 100, 1}, kRed, 0, {0, 0, 0, 1}, 1}})});
+  const Item wall{{0, 0, -1}, {100, 100, 1}, kRed, 0, {0, 0, 0, 1}, 1};
+  const Seen seen = Sense({Perspective({0, 0, 5}, {0, 0, 0}, 1.0F), Instances(2, {wall})});
   for (const float depth : seen.depth) ASSERT_NEAR(depth, 5.5F, 1e-4F);
 }
 
 TEST_F(SenseTest, LinesAndLooseTrianglesAreItemsToo) {
   const Seen seen = Sense({Perspective({0, 0, 5}, {0, 0, 0}, 0.8F),
                            Segments({{{-2, 1, 0}, {2, 1, 0}, kWhite, 5}}, 3),
-                           Triangles({{{Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 0, 0}}, {kRed, kRed, kRed}, 6}})});
+                           Triangles({{{Vec3{-1, -1, 0}, Vec3{1, -1, 0}, Vec3{0, 0, 0}},
+                                       {kRed, kRed, kRed}, 6}})});
   EXPECT_NEAR(Count(seen, 5), 3 * kWidth, kWidth);
   const double pixels_per_metre = kHeight / (2 * 5 * std::tan(0.4));
   EXPECT_NEAR(Count(seen, 6), pixels_per_metre * pixels_per_metre, 100);
@@ -97,7 +98,8 @@ TEST_F(SenseTest, RandomBoxesAreSeenWhereRaysHitThem) {
     for (uint32_t y = 0; y < kHeight; ++y) {
       for (uint32_t x = 0; x < kWidth; ++x) {
         const float step = 2 * std::tan(fov / 2) / kHeight;
-        const Vector3f ray((x + 0.5F - kWidth / 2.0F) * step, (y + 0.5F - kHeight / 2.0F) * step, -1);
+        const Vector3f ray((x + 0.5F - kWidth / 2.0F) * step,
+                           (y + 0.5F - kHeight / 2.0F) * step, -1);
         float nearest = 1e30F;
         const size_t at = size_t{y} * kWidth + x;
         for (uint32_t i = 0; i < boxes.size(); ++i) {
@@ -130,8 +132,8 @@ TEST_F(SenseTest, RandomBoxesAreSeenWhereRaysHitThem) {
 
 TEST_F(SenseTest, TheSameSceneIsSensedTheSameAfterOthers) {
   const auto scene = [] {
-    return std::vector<Message>{Perspective({3, 2, 5}, {0, 0, 0}, 0.6F),
-                                Instances(1, {Item{{0, 0, 0}, {1, 1, 1}, kRed, 0, {0, 0, 0, 1}, 9}})};
+    const Item item{{0, 0, 0}, {1, 1, 1}, kRed, 0, {0, 0, 0, 1}, 9};
+    return std::vector<Message>{Perspective({3, 2, 5}, {0, 0, 0}, 0.6F), Instances(1, {item})};
   };
   const Seen before = Sense(scene());
   Draw({Perspective({0, 0, 5}, {0, 0, 0}, 1.0F), Instances(2, {Item{}})});

@@ -1,6 +1,6 @@
 /* Laws that meet if they run at the same time: each writes a byte to the pipe `tell` and waits
- * `patience` seconds for one from the pipe `hear`; fails if none comes. NAME, PROPERTY, ACCESS, UNIT
- * and PHASE vary. The library's second law does the same over pipes of its own. */
+ * `patience` seconds for one from the pipe `hear`; fails if none comes. NAME, PROPERTY, ACCESS,
+ * UNIT and PHASE vary. The library's second law does the same over pipes of its own. */
 #define PARAMETER_COUNT 3
 #include <poll.h>
 #include <unistd.h>

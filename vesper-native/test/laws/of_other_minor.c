@@ -1,5 +1,5 @@
-/* Two laws in tables as contract 1.MINOR would lay them out: 0 has less than today's, 9 has 16 bytes
- * more, which are zero unless ASKS says that the law wants what they stand for. */
+/* Two laws in tables as contract 1.MINOR would lay them out: 0 has less than today's, 9 has 16
+ * bytes more, which are zero unless ASKS says that the law wants what they stand for. */
 #define USE_COUNT 2
 #define PARAMETER_COUNT 1
 #include "test_law.h"

@@ -1,5 +1,5 @@
-/* Counts in SCRATCH how often each body was advanced, times (row's mass), and shows the count as its
- * acceleration; fails where "failAt" steps were done. */
+/* Counts in SCRATCH how often each body was advanced, times (row's mass), and shows the count as
+ * its acceleration; fails where "failAt" steps were done. */
 #define USE_COUNT 4
 #define PARAMETER_COUNT 1
 #include "test_law.h"

@@ -66,7 +66,7 @@ static inline void Destroy(vesper_law* law) { free(law); }
   const vesper_law_library* vesper_law_library_entry(void) {                                    \
     static const vesper_law_library library = {                                                 \
         sizeof library, VESPER_ABI_VERSION, name, sizeof laws / sizeof *laws, 0, laws, open,    \
-        close, 0, 0, NULL};                                                                                 \
+        close, 0, 0, NULL};                                                                     \
     return &library;                                                                            \
   }
 

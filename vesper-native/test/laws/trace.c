@@ -1,5 +1,6 @@
-/* Appends a digit to orientation.x whenever it runs: a record of the order. NAME, PHASE, STAGES and
- * DIGIT vary; an integrator appends DIGIT plus the stage, from FIRST_STAGE on if that is defined. */
+/* Appends a digit to orientation.x whenever it runs: a record of the order. NAME, PHASE,
+ * STAGES and DIGIT vary; an integrator appends DIGIT plus the stage, from FIRST_STAGE on if
+ * that is defined. */
 #include "test_law.h"
 
 static vesper_status Act(vesper_law* law, const vesper_step* step, vesper_error* error) {

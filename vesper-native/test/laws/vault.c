@@ -1,6 +1,6 @@
-/* A spring to the origin and semi-implicit Euler, which keep position, velocity and force in a suite
- * of their own: DEFERRED. NAME, FLAGS (0: on the arrays themselves, the same sums), LAW_FROM and
- * LAW_TO (which of the two laws there are) and the unit of length vary. */
+/* A spring to the origin and semi-implicit Euler, which keep position, velocity and force in a
+ * suite of their own: DEFERRED. NAME, FLAGS (0: on the arrays themselves, the same sums), LAW_FROM
+ * and LAW_TO (which of the two laws there are) and the unit of length vary. */
 #define USE_COUNT 4
 #define PARAMETER_COUNT 5
 #include "test_law.h"

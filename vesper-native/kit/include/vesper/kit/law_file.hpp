@@ -52,8 +52,8 @@ class LawFile {
 /// One law, made and bound without an engine, on one thread.
 class BareLaw {
  public:
-  /// `properties`: one per use of the law, their arrays borrowed. `library`: of the law, if it needs
-  /// a suite, which is then its alone.
+  /// `properties`: one per use of the law, their arrays borrowed. `library`: of the law, if it
+  /// needs a suite, which is then its alone.
   BareLaw(const vesper_law_desc& desc, const std::vector<vesper_property>& properties,
           const vesper_law_library* library = nullptr);
 
