@@ -18,7 +18,8 @@ def shell(*command):
 
 
 def build(name, laws):
-    """Builds the engine, laws and bench/NAME as they ship; returns the program and the laws' folder."""
+    """Builds the engine, laws and bench/NAME as they ship; returns the program and the laws'
+    folder."""
     def cmake(folder, source, *options, targets=()):
         shell("cmake", "-S", ROOT / source, "-B", OUT / folder, "-G", "Ninja",
               "-DCMAKE_BUILD_TYPE=RelWithDebInfo", "-DBUILD_TESTING=OFF", *options)
@@ -63,8 +64,9 @@ def quartiles(values):
 
 
 def table_rows(samples, digits=0, largest=None):
-    """Median and quartiles of the frames per second of processor time of each; the first is the peer
-    that the others are compared with. `largest`: a share whose largest of all rounds is shown too."""
+    """Median and quartiles of the frames per second of processor time of each; the first is the
+    peer that the others are compared with. `largest`: a share whose largest of all rounds is shown
+    too."""
     speeds = {name: [run["framesPerProcessorSecond"] for run in runs]
               for name, runs in samples.items()}
     peer = statistics.median(next(iter(speeds.values())))

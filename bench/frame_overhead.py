@@ -24,7 +24,8 @@ def write_world(path, bodies):
     """A cloud of moving spheres in uniform gravity; the same for the same number of bodies."""
     place = random.Random(bodies)
     lines = ["reve: 1", "name: cloud", "frame: {rate: 60, steps: 4}",
-             "laws: [gravity_field, newton_motion]", "constants: {gravity: [0, -9.81, 0]}", "items:"]
+             "laws: [gravity_field, newton_motion]", "constants: {gravity: [0, -9.81, 0]}",
+             "items:"]
     for i in range(bodies):
         x, y, z = (round(place.uniform(-50, 50), 3) for _ in range(3))
         v = round(place.uniform(-1, 1), 3)

@@ -210,7 +210,8 @@ class Load {
     const bool packed = wanted.how == "msgpack";
     clients_.reserve(size_t(wanted.clients));
     for (int i = 0; i < wanted.clients; i++) {
-      clients_.emplace_back(wanted.first + i, wanted.port, packed, wanted.mode == "deaf" ? 4096 : 0);
+      clients_.emplace_back(wanted.first + i, wanted.port, packed,
+                            wanted.mode == "deaf" ? 4096 : 0);
       if (wanted.mode != "echo") {
         clients_.back().Hello(wanted.mode == "lock-step");
         if (wanted.mode != "lock-step") clients_.back().PerceiveEveryFrame();

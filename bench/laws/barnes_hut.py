@@ -12,8 +12,8 @@ import pytreegrav
 from sides import THREADS, Program, errors, exact, in_turn, timed
 
 SOFTENING = 1e-4
-# pytreegrav's opening angle and whether it uses quadrupoles; the law's theta of about that error, up
-# to 100,000 bodies and beyond.
+# pytreegrav's opening angle and whether it uses quadrupoles; the law's theta of about that error,
+# up to 100,000 bodies and beyond.
 CASES = [(0.7, False, (0.88, 0.78)), (0.5, True, (0.5, 0.48))]
 
 

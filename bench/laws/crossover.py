@@ -21,7 +21,8 @@ def compare(program, laws, points, precision):
         medians, others = in_turn(sides, rounds=9 if bodies < 100_000 else 1)
     (tree, tree_processor), (pairs, pairs_processor) = medians["tree"], medians["pairs"]
     print(f"| {bodies} | {precision} | {1000 * tree:.3g} | {1000 * pairs:.3g} | "
-          f"{pairs / tree:.2f} | {pairs_processor / tree_processor:.2f} | {others:.1f} |", flush=True)
+          f"{pairs / tree:.2f} | {pairs_processor / tree_processor:.2f} | {others:.1f} |",
+          flush=True)
 
 
 def main():

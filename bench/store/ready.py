@@ -31,8 +31,8 @@ items:
 
 def seconds_to_ready(world: Path) -> float:
     start = time.monotonic()
-    with subprocess.Popen([ROOT / "reve", "serve", world, "--port", "0", "--json", "--seconds", "0.02"],
-                          stdout=subprocess.PIPE, text=True) as server:
+    serve = [ROOT / "reve", "serve", world, "--port", "0", "--json", "--seconds", "0.02"]
+    with subprocess.Popen(serve, stdout=subprocess.PIPE, text=True) as server:
         for line in server.stdout:
             if json.loads(line)["event"] == "ready":
                 ready = time.monotonic() - start

@@ -20,7 +20,8 @@ final class NettyEcho {
                     protected void initChannel(SocketChannel channel) {
                         channel.pipeline().addLast(new Echo());
                     }
-                }).bind("127.0.0.1", Integer.parseInt(arguments[0])).sync().channel().closeFuture().sync();
+                }).bind("127.0.0.1", Integer.parseInt(arguments[0])).sync()
+                .channel().closeFuture().sync();
     }
 
     private static final class Echo extends ChannelInboundHandlerAdapter {

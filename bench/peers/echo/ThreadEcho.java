@@ -10,7 +10,8 @@ final class ThreadEcho {
 
     public static void main(String[] arguments) throws IOException {
         try (var listening = new ServerSocket()) {
-            listening.bind(new InetSocketAddress("127.0.0.1", Integer.parseInt(arguments[0])), 2048);
+            int port = Integer.parseInt(arguments[0]);
+            listening.bind(new InetSocketAddress("127.0.0.1", port), 2048);
             while (true) {
                 Socket client = listening.accept();
                 client.setTcpNoDelay(true);

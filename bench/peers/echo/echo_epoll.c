@@ -15,7 +15,8 @@ int main(int count, char** arguments) {
   struct sockaddr_in address = {.sin_family = AF_INET,
                                 .sin_port = htons((unsigned short)atoi(arguments[1])),
                                 .sin_addr = {htonl(INADDR_LOOPBACK)}};
-  if (bind(listening, (void*)&address, sizeof address) != 0 || listen(listening, 2048) != 0) return 1;
+  if (bind(listening, (void*)&address, sizeof address) != 0) return 1;
+  if (listen(listening, 2048) != 0) return 1;
   const int epoll = epoll_create1(0);
   struct epoll_event event = {.events = EPOLLIN, .data = {.fd = listening}};
   epoll_ctl(epoll, EPOLL_CTL_ADD, listening, &event);

@@ -3,9 +3,12 @@ import com.github.stephengold.joltjni.enumerate.EActivation;
 import com.github.stephengold.joltjni.enumerate.EBendType;
 import com.github.stephengold.joltjni.enumerate.EMotionType;
 import com.github.stephengold.joltjni.readonly.ConstVertexAttributes;
+import com.sun.management.OperatingSystemMXBean;
+import java.lang.management.ManagementFactory;
 
 /**
- * The world of bench/icosahedra as soft bodies of Jolt, 5 iterations a step, as frames of 1/60 s per second.
+ * The world of bench/icosahedra as soft bodies of Jolt, 5 iterations a step, as frames of 1/60 s
+ * per second.
  *
  * <p>java JoltIcosahedra LIBRARY THREADS. Prints a line of JSON.
  */
@@ -29,7 +32,8 @@ public final class JoltIcosahedra {
         Jolt.registerTypes();
         TempAllocator memory = new TempAllocatorImpl(256 << 20);
         JobSystem jobs = threads == 1 ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
-                : new JobSystemThreadPool(Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers, threads - 1);
+                : new JobSystemThreadPool(Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers,
+                        threads - 1);
         PhysicsSystem system = world();
         for (int frame = 0; frame < SETTLE; frame++) {
             system.update(1 / 60f, 1, memory, jobs);
@@ -58,18 +62,21 @@ public final class JoltIcosahedra {
     }
 
     private static long processorNanoseconds() {
-        return ((com.sun.management.OperatingSystemMXBean)
-                java.lang.management.ManagementFactory.getOperatingSystemMXBean()).getProcessCpuTime();
+        return ((OperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean())
+                .getProcessCpuTime();
     }
 
     private static PhysicsSystem world() {
         var system = new PhysicsSystem();
-        system.init(ICOSAHEDRA + 16, 0, 65536, 65536, new MapObj2Bp(2, 2).add(MOVING, MOVING).add(FIXED, FIXED),
-                new ObjVsBpFilter(2, 2).disablePair(MOVING, MOVING), new ObjVsObjFilter(2).disablePair(MOVING, MOVING));
+        system.init(ICOSAHEDRA + 16, 0, 65536, 65536,
+                new MapObj2Bp(2, 2).add(MOVING, MOVING).add(FIXED, FIXED),
+                new ObjVsBpFilter(2, 2).disablePair(MOVING, MOVING),
+                new ObjVsObjFilter(2).disablePair(MOVING, MOVING));
         system.setGravity(0f, -9.81f, 0f);
         BodyInterface bodies = system.getBodyInterface();
         bodies.createAndAddBody(new BodyCreationSettings(new BoxShape(new Vec3(500f, 1f, 500f)),
-                new RVec3(0, -1, 0), new Quat(), EMotionType.Static, FIXED), EActivation.DontActivate);
+                new RVec3(0, -1, 0), new Quat(), EMotionType.Static, FIXED),
+                EActivation.DontActivate);
         SoftBodySharedSettings icosahedron = icosahedron();
         int side = (int) Math.round(Math.sqrt(ICOSAHEDRA));
         for (int i = 0; i < ICOSAHEDRA; i++) {
@@ -92,7 +99,8 @@ public final class JoltIcosahedra {
             for (int corner = 0; corner < 4; corner++) {
                 float[] p = {corner % 2 == 0 ? -s : s, corner < 2 ? l : -l, 0};
                 var vertex = new Vertex();
-                vertex.setPosition(new Vec3(p[(3 - turn) % 3], p[(4 - turn) % 3], p[(5 - turn) % 3]));
+                vertex.setPosition(
+                        new Vec3(p[(3 - turn) % 3], p[(4 - turn) % 3], p[(5 - turn) % 3]));
                 vertex.setInvMass(1f);
                 settings.addVertex(vertex);
             }

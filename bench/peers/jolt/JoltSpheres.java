@@ -1,6 +1,8 @@
 import com.github.stephengold.joltjni.*;
 import com.github.stephengold.joltjni.enumerate.EActivation;
 import com.github.stephengold.joltjni.enumerate.EMotionType;
+import com.sun.management.OperatingSystemMXBean;
+import java.lang.management.ManagementFactory;
 import java.util.Random;
 
 /**
@@ -24,7 +26,8 @@ public final class JoltSpheres {
         Jolt.registerTypes();
         TempAllocator memory = new TempAllocatorImpl(1600 << 20);
         JobSystem jobs = threads == 1 ? new JobSystemSingleThreaded(Jolt.cMaxPhysicsJobs)
-                : new JobSystemThreadPool(Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers, threads - 1);
+                : new JobSystemThreadPool(Jolt.cMaxPhysicsJobs, Jolt.cMaxPhysicsBarriers,
+                        threads - 1);
         PhysicsSystem system = world(count);
         for (int frame = 0; frame < SETTLE; frame++) {
             system.update(1 / 60f, 1, memory, jobs);
@@ -42,8 +45,8 @@ public final class JoltSpheres {
     }
 
     private static long processorNanoseconds() {
-        return ((com.sun.management.OperatingSystemMXBean)
-                java.lang.management.ManagementFactory.getOperatingSystemMXBean()).getProcessCpuTime();
+        return ((OperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean())
+                .getProcessCpuTime();
     }
 
     private static PhysicsSystem world(int count) {
@@ -55,14 +58,17 @@ public final class JoltSpheres {
         system.setGravity(0f, -9.81f, 0f);
         BodyInterface bodies = system.getBodyInterface();
         bodies.createAndAddBody(new BodyCreationSettings(new BoxShape(new Vec3(500f, 1f, 500f)),
-                new RVec3(0, -1, 0), new Quat(), EMotionType.Static, FIXED), EActivation.DontActivate);
+                new RVec3(0, -1, 0), new Quat(), EMotionType.Static, FIXED),
+                EActivation.DontActivate);
         var ball = new SphereShape(0.5f);
         int side = Math.max(1, (int) Math.round(Math.sqrt(count / (double) LAYERS)));
         var random = new Random(1);
         for (int i = 0; i < count; i++) {
-            var place = new RVec3(jittered(random, i % side), 0.6 + jittered(random, i / side / side),
+            var place = new RVec3(jittered(random, i % side),
+                    0.6 + jittered(random, i / side / side),
                     jittered(random, i / side % side));
-            var body = new BodyCreationSettings(ball, place, new Quat(), EMotionType.Dynamic, MOVING);
+            var body = new BodyCreationSettings(ball, place, new Quat(), EMotionType.Dynamic,
+                    MOVING);
             body.setAllowSleeping(false);
             body.setFriction(0.5f);
             bodies.createAndAddBody(body, EActivation.Activate);
