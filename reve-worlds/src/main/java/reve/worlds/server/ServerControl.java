@@ -100,8 +100,9 @@ final class ServerControl implements WorldControl, AutoCloseable {
             return new Kept(simulation.keep());
         } catch (IllegalStateException full) {
             LOG.warn("no image of the world is kept: {}", full.getMessage());
-            throw new ActionRefused("too-many-images", "the images that are kept take all the memory there is "
-                    + "for them; a snapshot under one of their names replaces it", full);
+            throw new ActionRefused("too-many-images",
+                    "the images that are kept take all the memory there is for them;"
+                            + " a snapshot under one of their names replaces it", full);
         }
     }
 

@@ -45,13 +45,15 @@ class LockStepNativeTest {
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
                 AgentServer server = AgentServer.start(AgentServerConfig.onPort(0),
                         List.of(port(description, simulation)));
-                Journal _ = simulation.journal(WORLD.getParent(), Map.of(), new Journal.Plan(0, true),
-                        RunLog.create(log), problem -> {
+                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                        new Journal.Plan(0, true), RunLog.create(log), problem -> {
                             throw new AssertionError(problem);
                         });
-                Socket agent = new Socket(server.address().getAddress(), server.address().getPort())) {
-            simulation.onPublish("late", frame -> late.addAndGet((int) frame.world().events().stream()
-                    .filter(event -> event.type().equals("late")).count()));
+                Socket agent = new Socket(server.address().getAddress(),
+                        server.address().getPort())) {
+            simulation.onPublish("late",
+                    frame -> late.addAndGet((int) frame.world().events().stream()
+                            .filter(event -> event.type().equals("late")).count()));
             agent.getOutputStream().write(SILENT.getBytes(StandardCharsets.UTF_8));
             assertThat(new BufferedReader(new InputStreamReader(agent.getInputStream(),
                     StandardCharsets.UTF_8)).readLine()).contains("pong");
@@ -74,7 +76,7 @@ class LockStepNativeTest {
 
     private static WorldPort port(WorldDescription description, Simulation simulation) {
         return new WorldPort(description.name(), description.timing().framesPerSecond(),
-                description.agents(), simulation.bus(), simulation.commands(), simulation.snapshots(),
-                simulation.loop(), WorldControl.none(), Cameras.none());
+                description.agents(), simulation.bus(), simulation.commands(),
+                simulation.snapshots(), simulation.loop(), WorldControl.none(), Cameras.none());
     }
 }

@@ -180,7 +180,8 @@ class ReplayNativeTest {
                 continue;
             }
             try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
-                records.subList(0, kept).forEach(record -> assertThat(replay.take(record)).isTrue());
+                records.subList(0, kept)
+                        .forEach(record -> assertThat(replay.take(record)).isTrue());
                 try (Simulation resumed = replay.release()) {
                     made = resumed.loop().frame();
                     if (made < hashes.size()) {

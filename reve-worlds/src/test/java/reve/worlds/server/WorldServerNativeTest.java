@@ -21,13 +21,15 @@ class WorldServerNativeTest {
     private Path folder;
 
     private WorldPlan plan(String world, long frames, Optional<Path> recording) throws Exception {
-        Path file = Files.writeString(folder.resolve(world + ".yaml"), "reve: 1\nname: " + world + "\nitems: []\n");
+        Path file = Files.writeString(folder.resolve(world + ".yaml"),
+                "reve: 1\nname: " + world + "\nitems: []\n");
         var persistence = new Persistence(folder, recording, Optional.empty(), Optional.empty(), 10,
                 SqliteStore.Durability.NORMAL);
-        return new WorldPlan(WorldFile.load(file), frames, persistence, new Pictures(folder, List.of()));
+        return new WorldPlan(WorldFile.load(file), frames, persistence,
+                new Pictures(folder, List.of()));
     }
 
-    /** The recording cannot be written any more, and nobody can be told, which is an Error of the journal. */
+    /** The recording cannot be written and nobody can be told, which is an Error of the journal. */
     @Test
     void aWorldWhoseJournalEndsIsReportedAsFailedAndTheOthersGoOn() throws Exception {
         var recording = Optional.of(folder.resolve("run.log"));
@@ -39,9 +41,10 @@ class WorldServerNativeTest {
             }
             told.add(event + " of " + fields.get("world") + ": " + message);
         };
-        try (var server = new WorldServer(
-                List.of(plan("kept", Long.MAX_VALUE, recording), plan("other", 600, Optional.empty())),
-                Pacing.FAST, AgentServerConfig.onPort(0), Optional.empty(), events)) {
+        var plans = List.of(plan("kept", Long.MAX_VALUE, recording),
+                plan("other", 600, Optional.empty()));
+        try (var server = new WorldServer(plans, Pacing.FAST, AgentServerConfig.onPort(0),
+                Optional.empty(), events)) {
             journalsThread().interrupt(); // which closes its file
             ServerReport report = server.run();
             assertThat(report.failed()).as("exit code 1 of serve").isTrue();
@@ -52,11 +55,13 @@ class WorldServerNativeTest {
         }
         assertThat(told).anySatisfy(fault -> assertThat(fault)
                 .startsWith("fault of kept: the world kept has ended: java.io.IOError")
-                .contains("the journal has ended after frame", "OutOfMemoryError: while it was told"));
+                .contains("the journal has ended after frame",
+                        "OutOfMemoryError: while it was told"));
     }
 
     private static Thread journalsThread() {
-        return Thread.getAllStackTraces().keySet().stream().filter(thread -> thread.getName().equals("journal"))
+        return Thread.getAllStackTraces().keySet().stream()
+                .filter(thread -> thread.getName().equals("journal"))
                 .findAny().orElseThrow();
     }
 }
