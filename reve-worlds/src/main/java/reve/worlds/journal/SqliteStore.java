@@ -15,6 +15,7 @@ import java.util.List;
 import java.util.function.Consumer;
 import java.util.zip.CRC32C;
 import org.sqlite.SQLiteConfig;
+import org.sqlite.SQLiteErrorCode;
 import reve.core.store.CorruptException;
 import reve.worlds.Product;
 
@@ -296,6 +297,10 @@ public final class SqliteStore implements JournalSink {
     }
 
     private IOException failed(String what, SQLException e) {
+        if (e.getErrorCode() == SQLiteErrorCode.SQLITE_BUSY.code) {
+            return new IOException(file + " is in use by another process (the database is locked);"
+                    + " end that one first, or name another file", e);
+        }
         return new IOException(file + " could not be " + what + ": " + e.getMessage(), e);
     }
 

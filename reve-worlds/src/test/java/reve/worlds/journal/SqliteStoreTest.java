@@ -178,7 +178,7 @@ class SqliteStoreTest {
             assertThat(open.isEmpty()).isFalse();
             assertThatExceptionOfType(IOException.class)
                     .isThrownBy(() -> new SqliteStore(file, Durability.NORMAL))
-                    .withMessageContaining("my.db").withMessageContaining("locked");
+                    .withMessageContainingAll("my.db", "locked", "in use by another process", "name another file");
         }
     }
 
