@@ -81,7 +81,7 @@ public final class RunLog {
             }
         }
 
-        /** What cannot be written whole is taken back, which a pipe does not do; it may block, too. */
+        /** What is not written whole is taken back, which a pipe does not do; it may block, too. */
         private static void refusePipe(Path file) throws IOException {
             if (Files.exists(file)
                     && ((int) Files.getAttribute(file, "unix:mode") & TYPE_BITS) == PIPE) {

@@ -178,7 +178,8 @@ class SqliteStoreTest {
             assertThat(open.isEmpty()).isFalse();
             assertThatExceptionOfType(IOException.class)
                     .isThrownBy(() -> new SqliteStore(file, Durability.NORMAL))
-                    .withMessageContainingAll("my.db", "locked", "in use by another process", "name another file");
+                    .withMessageContainingAll("my.db", "locked", "in use by another process",
+                            "name another file");
         }
     }
 
