@@ -33,7 +33,8 @@ int main(int count, char** arguments) {
   struct sockaddr_in address = {.sin_family = AF_INET,
                                 .sin_port = htons((unsigned short)atoi(arguments[1])),
                                 .sin_addr = {htonl(INADDR_LOOPBACK)}};
-  if (bind(listening, (void*)&address, sizeof address) != 0 || listen(listening, 2048) != 0) return 1;
+  if (bind(listening, (void*)&address, sizeof address) != 0) return 1;
+  if (listen(listening, 2048) != 0) return 1;
   static int clients[kMaxClients];
   int open = 0;
   char message[kMessageBytes] = {0};
@@ -42,7 +43,9 @@ int main(int count, char** arguments) {
     if (Now() - due > kSecond) due = Now();  // it was stopped
     const struct timespec until = {due / kSecond, due % kSecond};
     clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
-    for (int client; open < kMaxClients && (client = accept4(listening, 0, 0, SOCK_NONBLOCK)) >= 0;) {
+    while (open < kMaxClients) {
+      const int client = accept4(listening, 0, 0, SOCK_NONBLOCK);
+      if (client < 0) break;
       setsockopt(client, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
       clients[open++] = client;
     }

@@ -6,8 +6,8 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * What a client does to the world, as data: with the frame and the place in its order it is all that a recording
- * needs, since {@link Members#apply} depends on nothing else but the world.
+ * What a client does to the world, as data: with the frame and the place in its order it is all
+ * that a recording needs, since {@link Members#apply} depends on nothing else but the world.
  */
 public sealed interface AgentInput {
 
@@ -20,8 +20,11 @@ public sealed interface AgentInput {
      */
     record Join(String agent, Optional<String> body, Rights rights) implements AgentInput {}
 
-    /** @param arguments Double, List of Double, String or Boolean by parameter name, not yet checked */
-    record Act(String agent, String item, String action, Map<String, Object> arguments) implements AgentInput {
+    /**
+     * @param arguments Double, List of Double, String or Boolean by parameter name, not yet checked
+     */
+    record Act(String agent, String item, String action, Map<String, Object> arguments)
+            implements AgentInput {
         public Act {
             arguments = Collections.unmodifiableMap(new LinkedHashMap<>(arguments));
         }
@@ -42,7 +45,8 @@ public sealed interface AgentInput {
      * @param fallback what its body does instead
      * @param told whether the others hear of it
      */
-    record Late(String agent, long count, Optional<Fallback> fallback, boolean told) implements AgentInput {}
+    record Late(String agent, long count, Optional<Fallback> fallback, boolean told)
+            implements AgentInput {}
 
     /**
      * What an agent's body does when the agent is late.

@@ -1,10 +1,11 @@
 package reve.core.agent;
 
 /**
- * How much a server takes from its clients, and keeps for them. {@link #PROTOCOL} are those that PROTOCOL.md promises;
- * tests set smaller ones.
+ * How much a server takes from its clients, and keeps for them. {@link #PROTOCOL} are those that
+ * PROTOCOL.md promises; tests set smaller ones.
  *
- * @param maxConnections open connections, whether welcomed or not; and clients, whether connected or not
+ * @param maxConnections open connections, whether welcomed or not; and clients, whether
+ *     connected or not
  * @param helloBytes most bytes before the hello is complete
  * @param lineBytes longest line from a client
  * @param messagesPerSecond most messages from one client, see {@link Quota}
@@ -13,8 +14,8 @@ package reve.core.agent;
  * @param outboxBytes and most bytes of them
  * @param maxErrors refused messages after which a connection ends
  */
-public record AgentLimits(int maxConnections, int helloBytes, int lineBytes, int messagesPerSecond, int actsInFlight,
-        int outboxMessages, int outboxBytes, int maxErrors) {
+public record AgentLimits(int maxConnections, int helloBytes, int lineBytes, int messagesPerSecond,
+        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors) {
 
     public static final AgentLimits PROTOCOL =
             new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8);
@@ -33,7 +34,8 @@ public record AgentLimits(int maxConnections, int helloBytes, int lineBytes, int
 
     private static void requirePositive(String name, int value) {
         if (value <= 0) {
-            throw new IllegalArgumentException("limit " + name + " is " + value + ", expected more than 0");
+            throw new IllegalArgumentException(
+                    "limit " + name + " is " + value + ", expected more than 0");
         }
     }
 }

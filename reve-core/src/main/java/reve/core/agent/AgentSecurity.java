@@ -5,7 +5,8 @@ import java.util.Optional;
 /**
  * How a server knows its clients, and they it.
  *
- * @param tokens who may come in, and with which rights; without, whoever can connect has all of them
+ * @param tokens who may come in, and with which rights; without, whoever can connect
+ *     has all of them
  * @param tls what connections are kept private with; without, they are plain text
  */
 public record AgentSecurity(Optional<TokenFile> tokens, Optional<ServerTls> tls) {

@@ -25,8 +25,8 @@ import java.util.stream.Stream;
 import reve.core.frame.Pacing;
 
 /**
- * Lets agents join worlds over TCP, protocol version 1. Each world goes on at its own pace whatever agents do; they
- * come and go at any time. Its methods may be called from any thread.
+ * Lets agents join worlds over TCP, protocol version 1. Each world goes on at its own pace whatever
+ * agents do; they come and go at any time. Its methods may be called from any thread.
  */
 public final class AgentServer implements AutoCloseable {
 
@@ -45,7 +45,8 @@ public final class AgentServer implements AutoCloseable {
     private final Counters counters = new Counters();
     private final RateLimitedLog log = new RateLimitedLog(10, "agents");
     /** Of its own, so that a flood of connections hides nothing that is said of agents. */
-    private final RateLimitedLog strangersLog = new RateLimitedLog(1, "clients that have not said hello");
+    private final RateLimitedLog strangersLog =
+            new RateLimitedLog(1, "clients that have not said hello");
     private final List<ServedWorld> worlds;
     private final EventLoop loop;
     private final ServerSocketChannel listening;
@@ -70,7 +71,8 @@ public final class AgentServer implements AutoCloseable {
      * @throws BindException naming the address if it cannot be had
      * @throws IOException if the audit file cannot be written
      */
-    public static AgentServer start(AgentServerConfig config, List<WorldPort> ports) throws IOException {
+    public static AgentServer start(AgentServerConfig config, List<WorldPort> ports)
+            throws IOException {
         ServerSocketChannel listening = listen(config.address());
         try {
             var server = new AgentServer(config, ports, listening, openAudit(config));
@@ -84,27 +86,31 @@ public final class AgentServer implements AutoCloseable {
 
     private static Optional<AuditLog> openAudit(AgentServerConfig config) throws IOException {
         return config.audit().isPresent()
-                ? Optional.of(new AuditLog(config.audit().get(), Clock.systemUTC())) : Optional.empty();
+                ? Optional.of(new AuditLog(config.audit().get(), Clock.systemUTC()))
+                : Optional.empty();
     }
 
-    private AgentServer(AgentServerConfig config, List<WorldPort> ports, ServerSocketChannel listening,
-            Optional<AuditLog> audit) throws IOException {
+    private AgentServer(AgentServerConfig config, List<WorldPort> ports,
+            ServerSocketChannel listening, Optional<AuditLog> audit) throws IOException {
         this.audit = audit;
         this.config = config;
         int all = config.limits().maxConnections();
         this.strangers = new Strangers(all - all / 4);
         this.listening = listening;
         this.address = (InetSocketAddress) listening.getLocalAddress();
-        this.loop = new EventLoop(log, new LoopWork(), shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
+        this.loop = new EventLoop(log, new LoopWork(),
+                shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());
-        // A world in real time has frames to make while agents are served; so have others beside it.
+        // A world in real time has frames to make while agents are served; so do others beside it.
         boolean helps = ports.size() == 1 && ports.getFirst().loop().pacing() == Pacing.FAST;
         this.worlds = ports.stream()
-                .map(port -> new ServedWorld(this, port, helps ? loop : LockStep.Waiting.IDLE)).toList();
+                .map(port -> new ServedWorld(this, port, helps ? loop : LockStep.Waiting.IDLE))
+                .toList();
     }
 
     private static long shortest(AgentTimeouts timeouts) {
-        return Stream.of(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.write(), timeouts.linger())
+        return Stream.of(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.write(),
+                        timeouts.linger())
                 .mapToLong(Duration::toNanos).min().orElseThrow();
     }
 
@@ -122,7 +128,9 @@ public final class AgentServer implements AutoCloseable {
         loop.later(() -> meant(Optional.of(world)).forEach(ServedWorld::end));
     }
 
-    /** Says bye to everybody and returns when all are gone, at the latest after the time to linger. */
+    /**
+     * Says bye to everybody and returns when all are gone, at the latest after the time to linger.
+     */
     @Override
     public void close() {
         if (closed) {
@@ -132,7 +140,8 @@ public final class AgentServer implements AutoCloseable {
         loop.later(() -> {
             closed = true;
             closeQuietly(listening);
-            connections.forEach(connection -> connection.end(Ending.regular("closing", "the server ends")));
+            connections.forEach(
+                    connection -> connection.end(Ending.regular("closing", "the server ends")));
         });
         try {
             if (!loop.join(2 * config.timeouts().linger().toMillis())) {
@@ -170,7 +179,8 @@ public final class AgentServer implements AutoCloseable {
                     readThrottled();
                 }
             }
-            for (Connection connection = toWrite.poll(); connection != null; connection = toWrite.poll()) {
+            for (Connection connection = toWrite.poll(); connection != null;
+                    connection = toWrite.poll()) {
                 connection.writeIfWanted();
             }
             if (closed && connections.isEmpty()) {
@@ -260,19 +270,23 @@ public final class AgentServer implements AutoCloseable {
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         ServedWorld world = requireWorld(hello.world(), rights);
         requireOpen(hello, role, token, world);
-        if (worlds.stream().mapToInt(ServedWorld::clients).sum() >= config.limits().maxConnections()) {
+        int clients = worlds.stream().mapToInt(ServedWorld::clients).sum();
+        if (clients >= config.limits().maxConnections()) {
             throw full(); // those that wait for their client count, too
         }
         return world.greet(connection, role, hello, token);
     }
 
-    private Session resume(Connection connection, ClientMessage.Hello hello, ClientMessage.Resume resume)
-            throws Ending {
+    private Session resume(Connection connection, ClientMessage.Hello hello,
+            ClientMessage.Resume resume) throws Ending {
         requireAttempt(connection);
-        Session session = meant(hello.world()).stream().flatMap(world -> world.find(hello.name()).stream())
+        Session session = meant(hello.world()).stream()
+                .flatMap(world -> world.find(hello.name()).stream())
                 .filter(found -> found.hasSecret(resume.session())).findFirst()
-                .orElseThrow(() -> Ending.refused("no-such-session", "there is no session of "
-                        + Text.quote(hello.name()) + " with this token, or it has ended", "say hello without resume"));
+                .orElseThrow(() -> Ending.refused("no-such-session",
+                        "there is no session of " + Text.quote(hello.name())
+                                + " with this token, or it has ended",
+                        "say hello without resume"));
         attempts.right(connection.address(), System.nanoTime());
         session.resume(connection, resume.frame());
         return session;
@@ -286,9 +300,11 @@ public final class AgentServer implements AutoCloseable {
         if (meant.size() == 1) {
             return meant.getFirst();
         }
-        throw Ending.refused("no-such-world", name.map(unknown -> "this server has no world " + Text.quote(unknown))
-                .orElse("this server has " + open.size() + " worlds"), "say hello with \"world\": "
-                + open.stream().map(world -> Text.quote(world.name())).collect(Collectors.joining(" or ")));
+        String problem = name.map(unknown -> "this server has no world " + Text.quote(unknown))
+                .orElse("this server has " + open.size() + " worlds");
+        String names = open.stream().map(world -> Text.quote(world.name()))
+                .collect(Collectors.joining(" or "));
+        throw Ending.refused("no-such-world", problem, "say hello with \"world\": " + names);
     }
 
     /** The worlds of that name, or all; not those that have ended. */
@@ -298,7 +314,8 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /** What the client's token says it may; nothing where the server asks for none. */
-    private Optional<AgentToken> requireToken(Connection connection, ClientMessage.Hello hello) throws Ending {
+    private Optional<AgentToken> requireToken(Connection connection, ClientMessage.Hello hello)
+            throws Ending {
         if (config.security().tokens().isEmpty()) {
             return Optional.empty();
         }
@@ -306,7 +323,8 @@ public final class AgentServer implements AutoCloseable {
         Optional<AgentToken> token =
                 config.security().tokens().get().find(hello.token().orElse(""));
         if (token.isEmpty()) {
-            throw Ending.refused("bad-token", "this server takes a token, and there was none or a wrong one",
+            throw Ending.refused("bad-token",
+                    "this server takes a token, and there was none or a wrong one",
                     "say hello with the \"token\" that whoever runs the server gave you");
         }
         attempts.right(connection.address(), System.nanoTime());
@@ -315,19 +333,22 @@ public final class AgentServer implements AutoCloseable {
 
     private void requireAttempt(Connection connection) throws Ending {
         if (!attempts.take(connection.address(), System.nanoTime())) {
-            throw Ending.cut("too-many-attempts", "too many wrong tokens came from your address; try again later");
+            throw Ending.cut("too-many-attempts",
+                    "too many wrong tokens came from your address; try again later");
         }
     }
 
-    private static void requireOpen(ClientMessage.Hello hello, Role role, Optional<AgentToken> token,
-            ServedWorld world) throws Ending {
+    private static void requireOpen(ClientMessage.Hello hello, Role role,
+            Optional<AgentToken> token, ServedWorld world) throws Ending {
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         if (token.isPresent() && !token.get().name().equals(hello.name())) {
-            throw Ending.refused("not-permitted", "your token is for another name than " + Text.quote(hello.name()),
+            throw Ending.refused("not-permitted",
+                    "your token is for another name than " + Text.quote(hello.name()),
                     "say hello with the name that it was made for");
         }
         if (!rights.roles().contains(role)) {
-            throw Ending.refused("not-permitted", "your token does not open the role " + role.wireName(),
+            throw Ending.refused("not-permitted",
+                    "your token does not open the role " + role.wireName(),
                     "it opens " + rights.roles().stream().map(Role::wireName).sorted().toList());
         }
         if (hello.lockStep().isPresent() && !rights.lockStep()) {
@@ -335,7 +356,8 @@ public final class AgentServer implements AutoCloseable {
                     "leave out time, or ask for a token with lock-step");
         }
         if (!rights.opensWorld(world.name())) {
-            throw Ending.refused("not-permitted", "your token does not open the world " + world.name(),
+            throw Ending.refused("not-permitted",
+                    "your token does not open the world " + world.name(),
                     "ask whoever runs the server for one that does");
         }
     }
@@ -354,7 +376,8 @@ public final class AgentServer implements AutoCloseable {
 
     private static Role requireAcceptable(ClientMessage.Hello hello) throws Ending {
         if (hello.protocol() != PROTOCOL) {
-            throw Ending.refused("protocol-unsupported", "this server does not speak protocol " + hello.protocol(),
+            throw Ending.refused("protocol-unsupported",
+                    "this server does not speak protocol " + hello.protocol(),
                     "say hello with \"protocol\":" + PROTOCOL);
         }
         if (!isName(hello.name())) {
@@ -362,7 +385,8 @@ public final class AgentServer implements AutoCloseable {
                     "use 1 to 64 of A-Z a-z 0-9 _ . - and begin with a letter or digit");
         }
         return Role.of(hello.role()).orElseThrow(() -> Ending.refused("role-unsupported",
-                "this server does not know the role " + Text.quote(hello.role()), "it knows " + Role.names()));
+                "this server does not know the role " + Text.quote(hello.role()),
+                "it knows " + Role.names()));
     }
 
     /** Whether a client may be called that. */
@@ -379,8 +403,8 @@ public final class AgentServer implements AutoCloseable {
             return listening.bind(address, BACKLOG);
         } catch (IOException e) {
             closeQuietly(listening);
-            var unbound = new BindException("cannot serve agents on " + address.getHostString() + " port "
-                    + address.getPort() + ": " + e.getMessage());
+            var unbound = new BindException("cannot serve agents on " + address.getHostString()
+                    + " port " + address.getPort() + ": " + e.getMessage());
             unbound.initCause(e);
             throw unbound;
         }
@@ -408,7 +432,8 @@ public final class AgentServer implements AutoCloseable {
             return;
         }
         try {
-            if (!strangers.haveRoomFor(((InetSocketAddress) channel.getRemoteAddress()).getAddress())) {
+            var client = (InetSocketAddress) channel.getRemoteAddress();
+            if (!strangers.haveRoomFor(client.getAddress())) {
                 turnAway(channel, Ending.cut("too-many-connections",
                         "too many connections from your address have not said hello"));
                 return;
@@ -429,14 +454,16 @@ public final class AgentServer implements AutoCloseable {
 
     private Ending full() {
         return Ending.cut("too-many-connections",
-                "the server has " + config.limits().maxConnections() + " clients, which is all it takes");
+                "the server has " + config.limits().maxConnections()
+                        + " clients, which is all it takes");
     }
 
     private void turnAway(SocketChannel channel, Ending why) {
         counters.cut.increment();
         try (channel) {
             SocketAddress client = channel.getRemoteAddress();
-            strangersLog.warn(() -> "a client at " + client + " was turned away: " + why.getMessage());
+            strangersLog.warn(
+                    () -> "a client at " + client + " was turned away: " + why.getMessage());
             channel.configureBlocking(false);
             if (config.security().tls().isEmpty()) { // else it would take a handshake
                 channel.write(ByteBuffer.wrap(why.bye().in(Encoding.JSON)));

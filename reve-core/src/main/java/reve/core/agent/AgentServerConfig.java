@@ -15,17 +15,20 @@ import java.util.Optional;
  * @param audit the file to which a record of all that clients are told is appended
  * @param security how clients and server know each other
  */
-public record AgentServerConfig(InetSocketAddress address, AgentLimits limits, AgentTimeouts timeouts,
-        Optional<Path> audit, AgentSecurity security) {
+public record AgentServerConfig(InetSocketAddress address, AgentLimits limits,
+        AgentTimeouts timeouts, Optional<Path> audit, AgentSecurity security) {
 
-    /** @throws IllegalArgumentException if other machines reach the address and there are no tokens or no TLS */
+    /**
+     * @throws IllegalArgumentException if other machines reach the address and there are no
+     *     tokens or no TLS
+     */
     public AgentServerConfig {
         if (address.isUnresolved()) {
             throw new IllegalArgumentException("there is no address of " + address.getHostString());
         }
         if (!address.getAddress().isLoopbackAddress() && !security.isComplete()) {
-            throw new IllegalArgumentException("agents cannot be served on " + address.getHostString()
-                    + " without tokens and TLS: other machines reach it");
+            throw new IllegalArgumentException("agents cannot be served on "
+                    + address.getHostString() + " without tokens and TLS: other machines reach it");
         }
     }
 
@@ -41,7 +44,8 @@ public record AgentServerConfig(InetSocketAddress address, AgentLimits limits, A
 
     /** The protocol's limits on any address. */
     public static AgentServerConfig on(InetSocketAddress address, AgentSecurity security) {
-        return new AgentServerConfig(address, AgentLimits.PROTOCOL, AgentTimeouts.PROTOCOL, Optional.empty(), security);
+        return new AgentServerConfig(address, AgentLimits.PROTOCOL, AgentTimeouts.PROTOCOL,
+                Optional.empty(), security);
     }
 
     /** The same, with a record of all that clients are told. */
@@ -51,8 +55,8 @@ public record AgentServerConfig(InetSocketAddress address, AgentLimits limits, A
 
     /** The same, with another longest time that an agent in lock-step may have the world wait. */
     public AgentServerConfig withDeadline(Duration longest) {
-        var other = new AgentTimeouts(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.flood(),
-                timeouts.write(), timeouts.grace(), longest, timeouts.linger());
+        var other = new AgentTimeouts(timeouts.hello(), timeouts.line(), timeouts.idle(),
+                timeouts.flood(), timeouts.write(), timeouts.grace(), longest, timeouts.linger());
         return new AgentServerConfig(address, limits, other, audit, security);
     }
 }

@@ -14,5 +14,5 @@ package reve.core.agent;
  * @param actsRefused acts that did not
  * @param cut connections that the server ended for breaking a limit
  */
-public record AgentStats(long connections, long open, long agents, long joined, long lines, long errors,
-        long perceptions, long actsAccepted, long actsRefused, long cut) {}
+public record AgentStats(long connections, long open, long agents, long joined, long lines,
+        long errors, long perceptions, long actsAccepted, long actsRefused, long cut) {}

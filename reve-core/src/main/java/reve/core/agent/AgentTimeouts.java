@@ -3,8 +3,8 @@ package reve.core.agent;
 import java.time.Duration;
 
 /**
- * How long a server waits for its clients. {@link #PROTOCOL} are the times that PROTOCOL.md promises; tests
- * set shorter ones.
+ * How long a server waits for its clients. {@link #PROTOCOL} are the times that PROTOCOL.md
+ * promises; tests set shorter ones.
  *
  * @param hello longest wait for the hello
  * @param line longest time from a line's first byte to its last
@@ -15,11 +15,12 @@ import java.time.Duration;
  * @param deadline longest time that an agent in lock-step may have the world wait
  * @param linger how long a finished connection may take to go
  */
-public record AgentTimeouts(Duration hello, Duration line, Duration idle, Duration flood, Duration write, Duration grace,
-        Duration deadline, Duration linger) {
+public record AgentTimeouts(Duration hello, Duration line, Duration idle, Duration flood,
+        Duration write, Duration grace, Duration deadline, Duration linger) {
 
-    public static final AgentTimeouts PROTOCOL = new AgentTimeouts(Duration.ofSeconds(2), Duration.ofSeconds(10),
-            Duration.ofSeconds(15), Duration.ofSeconds(10), Duration.ofSeconds(5), Duration.ofSeconds(60),
+    public static final AgentTimeouts PROTOCOL = new AgentTimeouts(
+            Duration.ofSeconds(2), Duration.ofSeconds(10), Duration.ofSeconds(15),
+            Duration.ofSeconds(10), Duration.ofSeconds(5), Duration.ofSeconds(60),
             Duration.ofSeconds(10), Duration.ofSeconds(1));
 
     /** @throws IllegalArgumentException if one is shorter than a millisecond */

@@ -9,8 +9,9 @@ import java.util.HexFormat;
 import java.util.Optional;
 
 /**
- * What the server keeps of a token: not the secret, only its SHA-256. That is enough: the secret is 128 random bits,
- * so there is no list of likely ones to try, which is what salts and slow hashes are against.
+ * What the server keeps of a token: not the secret, only its SHA-256. That is enough: the secret is
+ * 128 random bits, so there is no list of likely ones to try, which is what salts and slow hashes
+ * are against.
  *
  * @param name that the client has to have
  * @param sha256 of the secret's text, in hexadecimal
@@ -26,16 +27,17 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
     /** @throws IllegalArgumentException naming what is wrong */
     public AgentToken {
         if (!AgentServer.isName(name)) {
-            throw new IllegalArgumentException(Text.quote(name) + " is no name for a client; expected 1 to 64 of "
-                    + "A-Z a-z 0-9 _ . -, beginning with a letter or digit");
+            throw new IllegalArgumentException(
+                    Text.quote(name) + " is no name for a client; expected 1 to 64 of A-Z a-z"
+                            + " 0-9 _ . -, beginning with a letter or digit");
         }
         if (!sha256.matches("[0-9a-f]{64}")) {
             throw new IllegalArgumentException("sha256 of the token of " + name
                     + " is not 64 hexadecimal digits");
         }
         if (rights.roles().isEmpty()) {
-            throw new IllegalArgumentException("the token of " + name + " has no role; expected some of "
-                    + Role.names());
+            throw new IllegalArgumentException(
+                    "the token of " + name + " has no role; expected some of " + Role.names());
         }
     }
 

@@ -8,9 +8,9 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 
 /**
- * Bounds how often clients of one address may offer a wrong secret: {@value #BURST} times at once, then one time a
- * second. Remembers the last {@value #ADDRESSES} addresses; those of one IPv6 network of 64 bits count as one. Any
- * thread.
+ * Bounds how often clients of one address may offer a wrong secret: {@value #BURST} times at once,
+ * then one time a second. Remembers the last {@value #ADDRESSES} addresses; those of one IPv6
+ * network of 64 bits count as one. Any thread.
  */
 final class Attempts {
 
@@ -31,7 +31,7 @@ final class Attempts {
 
     private record Left(double attempts, long atNanos) {}
 
-    /** Whether it may offer one; if so, that is one attempt less, unless it turns out to be {@link #right}. */
+    /** Whether it may offer one; if so, that is one attempt less, unless it is {@link #right}. */
     synchronized boolean take(InetAddress address, long nowNanos) {
         ByteBuffer network = network(address);
         double now = attempts(network, nowNanos);
@@ -57,6 +57,7 @@ final class Attempts {
     /** Those of one IPv6 network of 64 bits count as one. */
     static ByteBuffer network(InetAddress address) {
         byte[] bytes = address.getAddress();
-        return ByteBuffer.wrap(address instanceof Inet6Address ? Arrays.copyOf(bytes, NETWORK_BYTES) : bytes);
+        return ByteBuffer.wrap(
+                address instanceof Inet6Address ? Arrays.copyOf(bytes, NETWORK_BYTES) : bytes);
     }
 }

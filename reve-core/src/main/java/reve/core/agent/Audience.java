@@ -18,9 +18,10 @@ import reve.core.space.Found;
 import reve.core.world.ItemId;
 
 /**
- * Who may hear of an event, so that it costs what is perceived of it and not as much as there are agents: whoever was
- * shown one of its items, or has a sensor that may reach one now. It finds too many rather than too few: what an agent
- * hears, its {@link Senses} decide. The event loop's thread.
+ * Who may hear of an event, so that it costs what is perceived of it and not as much as there
+ * are agents: whoever was shown one of its items, or has a sensor that may reach one now. It
+ * finds too many rather than too few: what an agent hears, its {@link Senses} decide. The event
+ * loop's thread.
  */
 final class Audience {
 
@@ -64,10 +65,12 @@ final class Audience {
     private void update(Session member, List<Seen> before, List<Seen> now) {
         int old = 0;
         for (Seen seen : now) {
-            while (old < before.size() && before.get(old) != seen && before.get(old).id().compareTo(seen.id()) < 0) {
+            while (old < before.size() && before.get(old) != seen
+                    && before.get(old).id().compareTo(seen.id()) < 0) {
                 hides(member, before.get(old++).id());
             }
-            if (old < before.size() && (before.get(old) == seen || before.get(old).id().equals(seen.id()))) {
+            if (old < before.size()
+                    && (before.get(old) == seen || before.get(old).id().equals(seen.id()))) {
                 old++;
             } else {
                 viewers.computeIfAbsent(seen.id(), unknown -> new HashSet<>()).add(member);
@@ -102,8 +105,8 @@ final class Audience {
                 reachingAll.add(member);
             }
         }
-        reaches.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(lows), MemorySegment.ofArray(highs),
-                within.size());
+        reaches.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(lows),
+                MemorySegment.ofArray(highs), within.size());
     }
 
     private void reserve(int count) {

@@ -22,15 +22,16 @@ import java.util.regex.Pattern;
 import tools.jackson.databind.node.ObjectNode;
 
 /**
- * A record of exactly what each client was told, and when: one JSON object per message, appended to a file at the
- * moment in which the message is written to the connection; of secrets, only that they were told, and of the pixels of
- * pictures a hash (SHA-256). What cannot be
- * recorded is not told. Any thread.
+ * A record of exactly what each client was told, and when: one JSON object per message, appended to
+ * a file at the moment in which the message is written to the connection; of secrets, only that
+ * they were told, and of the pixels of pictures a hash (SHA-256). What cannot be recorded is not
+ * told. Any thread.
  */
 final class AuditLog implements Closeable {
 
     private static final List<String> PIXELS = List.of("colour", "depth", "items");
-    private static final Pattern SECRET = Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
+    private static final Pattern SECRET =
+            Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
 
     private final Path file;
     private final OutputStream out;
@@ -44,27 +45,31 @@ final class AuditLog implements Closeable {
             out = Files.newOutputStream(file, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
         } catch (FileSystemException e) {
             String reason = switch (e) {
-                case NoSuchFileException gone -> "there is no folder " + file.toAbsolutePath().getParent();
+                case NoSuchFileException gone ->
+                        "there is no folder " + file.toAbsolutePath().getParent();
                 case AccessDeniedException denied -> "permission denied";
                 default -> e.getReason();
             };
-            throw new IOException("the audit record " + file + " could not be opened: " + reason, e);
+            throw new IOException(
+                    "the audit record " + file + " could not be opened: " + reason, e);
         }
     }
 
     /** @throws UncheckedIOException if it cannot be written down */
     synchronized void told(String world, String client, Encoding encoding, ByteBuffer line) {
         String json = encoding == Encoding.JSON
-                ? withoutPixels(StandardCharsets.UTF_8.decode(line.slice(0, line.remaining() - 1)).toString())
-                : MessagePackReader.read(line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES),
+                ? withoutPixels(StandardCharsets.UTF_8
+                        .decode(line.slice(0, line.remaining() - 1)).toString())
+                : MessagePackReader.read(
+                        line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES),
                         AuditLog::hash).toString();
-        String entry = "{\"at\":\"" + clock.instant() + "\",\"world\":\"" + world + "\",\"client\":\"" + client
-                + "\",\"message\":" + withoutSecret(json) + "}\n";
+        String entry = "{\"at\":\"" + clock.instant() + "\",\"world\":\"" + world
+                + "\",\"client\":\"" + client + "\",\"message\":" + withoutSecret(json) + "}\n";
         try {
             out.write(entry.getBytes(StandardCharsets.UTF_8));
         } catch (IOException e) {
-            throw new UncheckedIOException("what clients are told cannot be recorded in " + file + ": "
-                    + e.getMessage(), e);
+            throw new UncheckedIOException("what clients are told cannot be recorded in " + file
+                    + ": " + e.getMessage(), e);
         }
     }
 
@@ -91,7 +96,8 @@ final class AuditLog implements Closeable {
     }
 
     private static String withoutSecret(String json) {
-        return json.startsWith("{\"t\":\"welcome\"") ? SECRET.matcher(json).replaceFirst("…") : json;
+        return json.startsWith("{\"t\":\"welcome\"")
+                ? SECRET.matcher(json).replaceFirst("…") : json;
     }
 
     @Override

@@ -1,6 +1,6 @@
 package reve.core.agent;
 
-/** A line was refused; the connection goes on. Without a stack trace: a hostile client can cause many. */
+/** A line was refused; the connection goes on. No stack trace: a hostile client can cause many. */
 final class BadMessage extends Exception {
 
     private static final long serialVersionUID = 1L;

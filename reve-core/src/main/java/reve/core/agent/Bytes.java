@@ -95,7 +95,8 @@ final class Bytes {
         if (bytes.remaining() < count) {
             int needed = Math.addExact(size(), count);
             int doubled = (int) Math.min(2L * bytes.capacity(), Integer.MAX_VALUE - 8);
-            bytes = ByteBuffer.wrap(Arrays.copyOf(bytes.array(), Math.max(needed, doubled))).position(size());
+            byte[] larger = Arrays.copyOf(bytes.array(), Math.max(needed, doubled));
+            bytes = ByteBuffer.wrap(larger).position(size());
         }
         return bytes;
     }

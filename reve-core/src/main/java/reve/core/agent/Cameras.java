@@ -29,7 +29,11 @@ public interface Cameras {
         /** There is none now. @param reason for the agent */
         void refused(String reason);
 
-        /** It could not be drawn. @param cause for the log; the agent is not told of what is inside the server */
+        /**
+         * It could not be drawn.
+         *
+         * @param cause for the log; the agent is not told of what is inside the server
+         */
         void failed(RuntimeException cause);
     }
 

@@ -47,8 +47,9 @@ sealed interface ClientMessage {
      * @param resume the session it goes on with
      * @param token the secret that opens the server for it
      */
-    record Hello(long id, int protocol, String name, String role, Optional<String> world, Optional<String> body, String encoding,
-            double graceSeconds, Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token)
+    record Hello(long id, int protocol, String name, String role, Optional<String> world,
+            Optional<String> body, String encoding, double graceSeconds,
+            Optional<LockStep> lockStep, Optional<Resume> resume, Optional<String> token)
             implements ClientMessage {
 
         /** Without its secrets. */
@@ -66,7 +67,8 @@ sealed interface ClientMessage {
      * @param deadlineSeconds longest wait
      * @param fallback what its body does when it is late
      */
-    record LockStep(int every, boolean relations, double deadlineSeconds, Optional<AgentInput.Fallback> fallback) {}
+    record LockStep(int every, boolean relations, double deadlineSeconds,
+            Optional<AgentInput.Fallback> fallback) {}
 
     /**
      * @param session what the welcome of the broken connection gave
@@ -105,8 +107,8 @@ sealed interface ClientMessage {
      * @param arguments Double, List of Double, String or Boolean by parameter name
      * @param ready if it is all that the agent does in this round
      */
-    record Act(long id, String item, String action, Map<String, Object> arguments, Optional<Ready> ready)
-            implements Request {}
+    record Act(long id, String item, String action, Map<String, Object> arguments,
+            Optional<Ready> ready) implements Request {}
 
     /** What only the role control may say. */
     sealed interface Control extends Request {}

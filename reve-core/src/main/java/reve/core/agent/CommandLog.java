@@ -4,11 +4,12 @@ import java.util.Arrays;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Which commands a client has given, by their ids, so that one sent twice is done once. Of the last
- * {@value #REMEMBERED} it knows the result; an id that could be older is not taken. Guarded by its session.
+ * Which commands a client has given, by their ids, so that one sent twice is done once. Of the
+ * last {@value #REMEMBERED} it knows the result; an id that could be older is not taken. Guarded
+ * by its session.
  *
- * <p>Results are kept for as long as a client plays, and most say the same: they are kept as numbers, so that they cost
- * little memory and collectors of garbage need not look at each.
+ * <p>Results are kept for as long as a client plays, and most say the same: they are kept as
+ * numbers, so that they cost little memory and collectors of garbage need not look at each.
  */
 final class CommandLog {
 
@@ -55,7 +56,8 @@ final class CommandLog {
         for (int i = 0; i < count; i++) {
             if (ids[i] == id) {
                 ServerMessage other = others[i];
-                return new Known.Done(other != null ? other : new ServerMessage.Accepted(id, frames[i]));
+                return new Known.Done(
+                        other != null ? other : new ServerMessage.Accepted(id, frames[i]));
             }
         }
         return id > highestForgotten ? new Known.Fresh() : new Known.Forgotten();

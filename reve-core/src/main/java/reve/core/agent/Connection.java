@@ -14,9 +14,10 @@ import javax.net.ssl.SSLException;
 import org.jspecify.annotations.Nullable;
 
 /**
- * One connection, and the session behind it once it has said hello. However it ends, it ends once, with a reason:
- * then what waits is written, and what the client still sends is read and thrown away until it closes too, since
- * its last lines would else reset the connection before it has read its bye.
+ * One connection, and the session behind it once it has said hello. However it ends, it ends once,
+ * with a reason: then what waits is written, and what the client still sends is read and thrown
+ * away until it closes too, since its last lines would else reset the connection before it has
+ * read its bye.
  */
 final class Connection implements EventLoop.Handler {
 
@@ -98,7 +99,8 @@ final class Connection implements EventLoop.Handler {
     /** Says bye and lets go; the first reason counts. */
     synchronized void end(Ending why) {
         if (leave(why)) {
-            outbox.finish(why.bye().in(encoding)); // who has read its bye has left, and may come back
+            // Who has read its bye has left, and may come back.
+            outbox.finish(why.bye().in(encoding));
         }
     }
 
@@ -123,8 +125,8 @@ final class Connection implements EventLoop.Handler {
     private void report(Ending why) {
         Session client = session;
         RateLimitedLog log = client == null ? server.strangersLog() : server.log();
-        Supplier<String> line = () -> (client == null ? "a client at " + address : client) + " left: " + why.code()
-                + ": " + why.getMessage();
+        Supplier<String> line = () -> (client == null ? "a client at " + address : client)
+                + " left: " + why.code() + ": " + why.getMessage();
         if (why.isCut()) {
             log.warn(line);
         } else {
@@ -158,7 +160,8 @@ final class Connection implements EventLoop.Handler {
                     close();
                 }
             } else if (isStuck() && nowNanos - unsentSinceNanos > timeouts.write().toNanos()) {
-                end(Ending.cut("too-slow", "a write took longer than " + timeouts.write().toMillis() / 1000.0 + " s"));
+                end(Ending.cut("too-slow",
+                        "a write took longer than " + timeouts.write().toMillis() / 1000.0 + " s"));
                 close();
             } else if (!held) {
                 messages.checkTime(nowNanos);
@@ -249,8 +252,10 @@ final class Connection implements EventLoop.Handler {
         if (floodingSinceNanos == 0) {
             floodingSinceNanos = now;
         } else if (now - floodingSinceNanos > timeouts.flood().toNanos()) {
-            throw Ending.cut("too-many-messages", "for " + timeouts.flood().toMillis() / 1000.0
-                    + " s there were always more than " + limits.messagesPerSecond() + " messages in a second");
+            throw Ending.cut("too-many-messages",
+                    "for " + timeouts.flood().toMillis() / 1000.0
+                            + " s there were always more than " + limits.messagesPerSecond()
+                            + " messages in a second");
         }
         pause();
         server.readLater(this);
@@ -278,7 +283,10 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
-    /** An error in the server, even of the virtual machine: the agent must not stay behind in the world. */
+    /**
+     * An error in the server, even of the virtual machine: the agent must not stay behind
+     * in the world.
+     */
     private void fail(Throwable error) {
         server.log().error("serving a connection failed", error);
         if (hasEnded()) {
@@ -290,7 +298,8 @@ final class Connection implements EventLoop.Handler {
 
     private void take(ByteBuffer bytes) throws Ending {
         if (session == null && isHttp(bytes)) {
-            throw Ending.cut("no-http", "this is no web server; a browser would let any page speak to it");
+            throw Ending.cut("no-http",
+                    "this is no web server; a browser would let any page speak to it");
         }
         try {
             handle(MessageReader.read(bytes, encoding));
@@ -299,7 +308,9 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
-    /** A page in a browser can send what it likes to this machine, but only behind a line like this. */
+    /**
+     * A page in a browser can send what it likes to this machine, but only behind a line like this.
+     */
     private static boolean isHttp(ByteBuffer line) {
         return HTTP.matcher(StandardCharsets.ISO_8859_1.decode(line.duplicate())).find();
     }
@@ -322,7 +333,8 @@ final class Connection implements EventLoop.Handler {
         }
         switch (message) {
             case ClientMessage.Hello again -> throw new BadMessage(again.id(), "hello-again",
-                    "this connection is " + agent + " already", "open another connection for another agent");
+                    "this connection is " + agent + " already",
+                    "open another connection for another agent");
             case ClientMessage.Perceive perceive -> agent.perceive(perceive);
             case ClientMessage.Look look -> agent.look(look);
             case ClientMessage.Act act -> agent.request(act);
@@ -372,7 +384,8 @@ final class Connection implements EventLoop.Handler {
                     "send {\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}");
         }
         if (!hasEnded()) {
-            encoding = Encoding.of(hello.encoding()).orElseThrow(() -> Ending.refused("encoding-unsupported",
+            encoding = Encoding.of(hello.encoding()).orElseThrow(() -> Ending.refused(
+                    "encoding-unsupported",
                     "this server does not write " + Text.quote(hello.encoding()),
                     "say hello with \"encoding\":\"json\" or \"encoding\":\"msgpack\""));
             session = server.greet(this, hello);
@@ -425,8 +438,9 @@ final class Connection implements EventLoop.Handler {
         Session client = session;
         switch (next) {
             case Outbox.Message message -> out.put(message.bytes());
-            case Outbox.Perception seen -> Objects.requireNonNull(client).world().publisher().telling()
-                    .write(out, encoding, seen.id(), seen.view(), seen.before());
+            case Outbox.Perception seen ->
+                    Objects.requireNonNull(client).world().publisher().telling()
+                            .write(out, encoding, seen.id(), seen.view(), seen.before());
         }
         if (client != null) {
             server.audit().ifPresent(audit ->

@@ -8,7 +8,10 @@ import reve.core.frame.FrameEvent;
 import reve.core.world.ActionRefused;
 import reve.core.world.World;
 
-/** Has commands done, each where it belongs: the world's queue, its frame loop, or the program. Any thread. */
+/**
+ * Has commands done, each where it belongs: the world's queue, its frame loop, or the
+ * program. Any thread.
+ */
 final class ControlDesk {
 
     private final WorldPort port;
@@ -46,15 +49,17 @@ final class ControlDesk {
                     act.ready().ifPresent(session::endRound);
                 }
             }
-            case ClientMessage.Edit edit -> offer(session, edit, new AgentInput.Edit(session.name(), edit.item(),
-                    edit.property(), edit.value()));
+            case ClientMessage.Edit edit -> offer(session, edit, new AgentInput.Edit(
+                    session.name(), edit.item(), edit.property(), edit.value()));
             case ClientMessage.Pause pause -> accept(session, pause, port.loop().pause());
             case ClientMessage.Run run -> {
                 accept(session, run, port.loop().frame());
                 port.loop().resume();
             }
-            case ClientMessage.Step step -> between(session, step, () -> port.loop().resume(step.frames()));
-            case ClientMessage.Snapshot snapshot -> between(session, snapshot, () -> images.keep(snapshot.image()));
+            case ClientMessage.Step step -> between(session, step,
+                    () -> port.loop().resume(step.frames()));
+            case ClientMessage.Snapshot snapshot -> between(session, snapshot,
+                    () -> images.keep(snapshot.image()));
             case ClientMessage.Rewind rewind -> rewind(session, rewind);
             case ClientMessage.Save save -> studies.save(session, save);
             case ClientMessage.Fork fork -> studies.fork(session, fork);
@@ -66,7 +71,8 @@ final class ControlDesk {
                     () -> port.control().loadLaw(load.library(), load.parameters()));
             case ClientMessage.UnloadLaw unload -> change(session, unload,
                     () -> port.control().unloadLaw(unload.library()));
-            case ClientMessage.Picture picture -> change(session, picture, () -> port.control().picture());
+            case ClientMessage.Picture picture -> change(session, picture,
+                    () -> port.control().picture());
         }
     }
 
@@ -74,12 +80,15 @@ final class ControlDesk {
         session.finish(request, new ServerMessage.Accepted(request.id(), frame), 0);
     }
 
-    /** An agent in lock-step was late. Loop's thread; done in the frame that begins now, if that has room for it. */
+    /**
+     * An agent in lock-step was late. Loop's thread; done in the frame that begins now, if that has
+     * room for it.
+     */
     void late(AgentInput.Late late) {
         port.commands().offer(command(late, outcome -> {
             if (outcome instanceof Outcome.Failed failed) {
-                publisher.withFrame(() -> log.error("the fallback of agent " + late.agent() + " failed",
-                        failed.cause()));
+                publisher.withFrame(() -> log.error(
+                        "the fallback of agent " + late.agent() + " failed", failed.cause()));
             }
         }));
     }
@@ -92,7 +101,8 @@ final class ControlDesk {
     private boolean offer(Session session, ClientMessage.Request request, Command command) {
         boolean taken = port.commands().offer(command);
         if (!taken) {
-            session.refuse(request, "world-busy", "the world has more to do than fits into a frame");
+            session.refuse(request, "world-busy",
+                    "the world has more to do than fits into a frame");
         }
         return taken;
     }
@@ -165,8 +175,8 @@ final class ControlDesk {
     }
 
     /** A prepared change on its way through the world's queue. */
-    private record ChangeCommand(String origin, long sequence, WorldControl.Change change, Consumer<Outcome> done)
-            implements Command {
+    private record ChangeCommand(String origin, long sequence, WorldControl.Change change,
+            Consumer<Outcome> done) implements Command {
 
         @Override
         public void execute(World world, FrameEvent event) {
@@ -185,8 +195,8 @@ final class ControlDesk {
 
     private void answer(Session session, ClientMessage.Request request, Outcome outcome) {
         switch (outcome) {
-            case Outcome.Done done ->
-                    session.finish(request, new ServerMessage.Accepted(request.id(), done.frame()), done.frame());
+            case Outcome.Done done -> session.finish(request,
+                    new ServerMessage.Accepted(request.id(), done.frame()), done.frame());
             case Outcome.Refused no -> session.finish(request,
                     new ServerMessage.Refused(request.id(), no.code(), no.reason()), no.frame());
             case Outcome.Failed failed -> {
@@ -201,7 +211,8 @@ final class ControlDesk {
     }
 
     private static String describe(ClientMessage.Request request) {
-        return request instanceof ClientMessage.Act act ? "the action " + Text.quote(act.action()) + " of item "
-                + Text.quote(act.item()) : request.type();
+        return request instanceof ClientMessage.Act act
+                ? "the action " + Text.quote(act.action()) + " of item " + Text.quote(act.item())
+                : request.type();
     }
 }

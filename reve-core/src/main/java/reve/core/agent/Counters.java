@@ -17,7 +17,8 @@ final class Counters {
     final LongAdder cut = new LongAdder();
 
     AgentStats read() {
-        return new AgentStats(connections.sum(), open.sum(), agents.sum(), joined.sum(), lines.sum(), errors.sum(),
-                perceptions.sum(), actsAccepted.sum(), actsRefused.sum(), cut.sum());
+        return new AgentStats(connections.sum(), open.sum(), agents.sum(), joined.sum(),
+                lines.sum(), errors.sum(), perceptions.sum(), actsAccepted.sum(),
+                actsRefused.sum(), cut.sum());
     }
 }

@@ -33,7 +33,8 @@ final class EncodedItem {
 
     /** @param which names of the symbols that are perceived; empty for all */
     Fragment symbols(Optional<SortedSet<String>> which) {
-        return symbols.computeIfAbsent(which, names -> new Fragment(writer -> writer.value(symbolValues(names))));
+        return symbols.computeIfAbsent(which,
+                names -> new Fragment(writer -> writer.value(symbolValues(names))));
     }
 
     /** The symbols that are perceived, by name. */
@@ -55,7 +56,8 @@ final class EncodedItem {
         var actions = new LinkedHashMap<String, Object>();
         for (Action action : item.actions()) {
             var parameters = new LinkedHashMap<String, Object>();
-            action.parameters().forEach(parameter -> parameters.put(parameter.name(), parameter(parameter)));
+            action.parameters().forEach(
+                    parameter -> parameters.put(parameter.name(), parameter(parameter)));
             actions.put(action.name(), parameters);
         }
         return actions;

@@ -78,7 +78,8 @@ enum Encoding {
     }
 
     static Optional<Encoding> of(String wireName) {
-        return Arrays.stream(values()).filter(encoding -> encoding.wireName.equals(wireName)).findFirst();
+        return Arrays.stream(values())
+                .filter(encoding -> encoding.wireName.equals(wireName)).findFirst();
     }
 
     /** One value. */

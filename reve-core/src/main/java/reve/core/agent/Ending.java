@@ -28,9 +28,12 @@ final class Ending extends Exception {
         return new Ending(code, message, Optional.of(hint), false);
     }
 
-    /** The same whoever or whatever is called that: not every client may know which items there are. */
+    /**
+     * The same whoever or whatever is called that: not every client may know which items there are.
+     */
     static Ending nameTaken(String name) {
-        return refused("name-taken", "another client, or an item of the world, is called " + Text.quote(name),
+        return refused("name-taken",
+                "another client, or an item of the world, is called " + Text.quote(name),
                 "say hello with another name");
     }
 

@@ -6,8 +6,8 @@ import java.util.List;
 import java.util.Optional;
 
 /**
- * The last events that a client was told, so that one whose connection broke gets those it missed. Bounded in time
- * and bytes. Guarded by its session.
+ * The last events that a client was told, so that one whose connection broke gets those it missed.
+ * Bounded in time and bytes. Guarded by its session.
  */
 final class EventLog {
 
@@ -41,6 +41,7 @@ final class EventLog {
     /** What happened after a frame, in order; empty if some of it is forgotten. */
     Optional<List<ServerMessage.Event>> after(long frame) {
         return lastForgotten > frame ? Optional.empty()
-                : Optional.of(told.stream().map(Told::event).filter(event -> event.frame() > frame).toList());
+                : Optional.of(told.stream().map(Told::event)
+                        .filter(event -> event.frame() > frame).toList());
     }
 }

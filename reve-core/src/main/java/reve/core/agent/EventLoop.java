@@ -14,8 +14,9 @@ import java.util.function.BooleanSupplier;
 import reve.core.frame.FrameClock;
 
 /**
- * Reads, writes and works for all agents, on one thread at a time: its own, or another that has nothing better to do.
- * It waits for sockets, for other threads and for the clock, never for a client.
+ * Reads, writes and works for all agents, on one thread at a time: its own, or another that
+ * has nothing better to do. It waits for sockets, for other threads and for the clock, never
+ * for a client.
  */
 final class EventLoop implements LockStep.Waiting {
 
@@ -24,9 +25,9 @@ final class EventLoop implements LockStep.Waiting {
 
     private static final long NAP_NANOS = 5_000_000;
     /**
-     * As long as this a world's thread looks for what comes before it sleeps, if what it waited for last came within
-     * that time: to wake a thread on an idle processor takes longer than most of what agents do. With one processor
-     * that would be the agents' time.
+     * As long as this a world's thread looks for what comes before it sleeps, if what it waited for
+     * last came within that time: to wake a thread on an idle processor takes longer than most of
+     * what agents do. With one processor that would be the agents' time.
      */
     private static final long AWAKE_NANOS =
             Runtime.getRuntime().availableProcessors() > 1 ? 100_000 : 0;
@@ -116,7 +117,8 @@ final class EventLoop implements LockStep.Waiting {
     // ---- the loop's thread ----
 
     /** Tells the handler from now on what the channel is ready for. */
-    SelectionKey register(SelectableChannel channel, int operations, Handler handler) throws IOException {
+    SelectionKey register(SelectableChannel channel, int operations, Handler handler)
+            throws IOException {
         channel.configureBlocking(false);
         return channel.register(selector, operations, handler);
     }
@@ -132,9 +134,9 @@ final class EventLoop implements LockStep.Waiting {
     }
 
     /**
-     * Works in place of the loop's own thread, until something has come or the time is over: from what the last agent
-     * says to what that brings about, no thread has to wake another. The loop's own thread goes on where this one does
-     * not come back for a while.
+     * Works in place of the loop's own thread, until something has come or the time is over: from
+     * what the last agent says to what that brings about, no thread has to wake another. The loop's
+     * own thread goes on where this one does not come back for a while.
      */
     @Override
     public void await(long nanoseconds, BooleanSupplier enough, FrameClock clock) {
@@ -176,7 +178,10 @@ final class EventLoop implements LockStep.Waiting {
         }
     }
 
-    /** First what there is to do, then waits for more: so that whoever serves leaves nothing read behind. */
+    /**
+     * First what there is to do, then waits for more: so that whoever serves leaves nothing
+     * read behind.
+     */
     private void turn(long mostNanos, long awakeNanos) {
         try {
             for (Runnable task = tasks.poll(); task != null; task = tasks.poll()) {
@@ -207,7 +212,11 @@ final class EventLoop implements LockStep.Waiting {
         selecting = false;
     }
 
-    /** Looks at the sockets again and again. @return true if one of them was ready before there was other work */
+    /**
+     * Looks at the sockets again and again.
+     *
+     * @return true if one of them was ready before there was other work
+     */
     private boolean findsSoon(long awakeUntilNanos) throws IOException {
         while (!hasWork() && System.nanoTime() - awakeUntilNanos < 0) {
             if (selector.selectNow(EventLoop::handle) > 0) {

@@ -7,8 +7,9 @@ import java.util.Arrays;
 import org.jspecify.annotations.Nullable;
 
 /**
- * Cuts what a client sends into messages: lines of JSON, or MessagePack behind its length; within limits of length
- * and time. Memory grows with what has arrived, never with what was announced. The event loop's thread.
+ * Cuts what a client sends into messages: lines of JSON, or MessagePack behind its length; within
+ * limits of length and time. Memory grows with what has arrived, never with what was announced. The
+ * event loop's thread.
  */
 final class FrameReader {
 
@@ -38,7 +39,9 @@ final class FrameReader {
         this.ping = ping;
     }
 
-    /** The hello has come: from now on the limits of messages hold, no longer those of the hello. */
+    /**
+     * The hello has come: from now on the limits of messages hold, no longer those of the hello.
+     */
     void greeted(Encoding ofWhatFollows) {
         greeted = true;
         encoding = ofWhatFollows;
@@ -46,7 +49,8 @@ final class FrameReader {
     }
 
     /**
-     * Reads what has arrived, or some of it. Whatever was whole before has been taken by {@link #next}.
+     * Reads what has arrived, or some of it. Whatever was whole before has been taken by
+     * {@link #next}.
      *
      * @return false where the client closed the connection
      * @throws Ending if the client broke a limit
@@ -56,14 +60,16 @@ final class FrameReader {
         int room = buffer.capacity() - end;
         if (!greeted) {
             if (helloBytes >= limits.helloBytes()) {
-                throw Ending.cut("hello-too-long", "no hello within " + limits.helloBytes() + " bytes");
+                throw Ending.cut("hello-too-long",
+                        "no hello within " + limits.helloBytes() + " bytes");
             }
             room = (int) Math.min(room, limits.helloBytes() - helloBytes);
         }
         int count = in.read(buffer.limit(end + room).position(end));
         drained = buffer.hasRemaining();
         if (count > 0 && !greeted && helloBytes == 0 && buffer.get(end) == TlsWire.HANDSHAKE) {
-            throw Ending.refused("tls-unsupported", "this server speaks no TLS", "connect without TLS");
+            throw Ending.refused("tls-unsupported", "this server speaks no TLS",
+                    "connect without TLS");
         }
         if (count > 0) {
             if (start == end && greeted) {
@@ -79,7 +85,8 @@ final class FrameReader {
     /**
      * The next whole message.
      *
-     * @return it without line end or length, valid until the next call; null if it has not arrived yet
+     * @return it without line end or length, valid until the next call; null if it has
+     *     not arrived yet
      * @throws Ending if the client broke a limit
      */
     @Nullable ByteBuffer next() throws Ending {
@@ -106,13 +113,16 @@ final class FrameReader {
             return;
         }
         if (!greeted) {
-            throw Ending.cut("hello-late", "no hello within " + seconds(timeouts.hello().toMillis()));
+            throw Ending.cut("hello-late",
+                    "no hello within " + seconds(timeouts.hello().toMillis()));
         }
         if (begun) {
-            throw Ending.cut("line-late", "a line was not complete after " + seconds(timeouts.line().toMillis()));
+            throw Ending.cut("line-late",
+                    "a line was not complete after " + seconds(timeouts.line().toMillis()));
         }
         if (pinged) {
-            throw Ending.cut("idle", "no answer to a ping within " + seconds(timeouts.idle().toMillis()));
+            throw Ending.cut("idle",
+                    "no answer to a ping within " + seconds(timeouts.idle().toMillis()));
         }
         ping.run();
         pinged = true;
@@ -151,7 +161,8 @@ final class FrameReader {
 
     private void makeRoom() throws Ending {
         if (end - start >= limits.lineBytes()) {
-            throw Ending.cut("line-too-long", "a line is longer than " + limits.lineBytes() + " bytes");
+            throw Ending.cut("line-too-long",
+                    "a line is longer than " + limits.lineBytes() + " bytes");
         }
         byte[] bytes = buffer.array();
         if (start == end) {
@@ -159,7 +170,8 @@ final class FrameReader {
             searched = 0;
             end = 0;
             if (bytes.length > KEPT_BYTES || greeted && bytes.length < INITIAL_BYTES) {
-                buffer = ByteBuffer.allocate(INITIAL_BYTES); // a long line, or the hello, is behind us
+                // A long line, or the hello, is behind us.
+                buffer = ByteBuffer.allocate(INITIAL_BYTES);
             }
         } else if (end == bytes.length && start > 0) {
             System.arraycopy(bytes, start, bytes, 0, end - start);
@@ -167,7 +179,8 @@ final class FrameReader {
             end -= start;
             start = 0;
         } else if (end == bytes.length) {
-            buffer = ByteBuffer.wrap(Arrays.copyOf(bytes, Math.min(2 * bytes.length, limits.lineBytes())));
+            buffer = ByteBuffer.wrap(
+                    Arrays.copyOf(bytes, Math.min(2 * bytes.length, limits.lineBytes())));
         }
     }
 

@@ -6,7 +6,10 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 import reve.core.world.WorldEvent;
 
-/** An event as agents hear of it, made and encoded once for all who are told the same. The event loop's thread. */
+/**
+ * An event as agents hear of it, made and encoded once for all who are told the same. The event
+ * loop's thread.
+ */
 final class HeardEvent {
 
     private final WorldEvent event;

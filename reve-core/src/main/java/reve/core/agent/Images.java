@@ -9,10 +9,15 @@ import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 
-/** What clients of the role control keep of a world by name, to go back to. World's thread, between frames. */
+/**
+ * What clients of the role control keep of a world by name, to go back to. World's thread,
+ * between frames.
+ */
 final class Images {
 
-    /** Less than a world can have, so that there is room for the copies that `save` and `fork` take. */
+    /**
+     * Less than a world can have, so that there is room for the copies that `save` and `fork` take.
+     */
     private static final int MAX_NAMES = 32;
 
     private final WorldPort port;
@@ -34,8 +39,9 @@ final class Images {
      */
     long keep(String name) throws ActionRefused {
         if (kept.size() >= MAX_NAMES && !kept.containsKey(name)) {
-            throw new ActionRefused("too-many-images", MAX_NAMES + " images are kept, which is the most; "
-                    + "a snapshot under one of their names replaces it: " + kept.keySet());
+            throw new ActionRefused("too-many-images",
+                    MAX_NAMES + " images are kept, which is the most; a snapshot under one of"
+                            + " their names replaces it: " + kept.keySet());
         }
         Kept before = kept.remove(name);
         if (before != null) {
@@ -53,7 +59,8 @@ final class Images {
      */
     Rewound rewind(String agent, Optional<String> name, Optional<WorldControl.Image> beginning)
             throws ActionRefused {
-        Kept target = name.isPresent() ? find(name.get()) : new Kept(beginning.orElseThrow(), Map.of());
+        Kept target = name.isPresent()
+                ? find(name.get()) : new Kept(beginning.orElseThrow(), Map.of());
         long frame = target.image.rewind();
         World world = port.loop().world();
         var fields = new LinkedHashMap<String, Object>();

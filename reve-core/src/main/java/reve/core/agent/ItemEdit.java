@@ -22,7 +22,8 @@ final class ItemEdit {
         try {
             switch (path[0]) {
                 case "physical" -> setPhysical(item, path[1], edit.value());
-                case "physics" -> item.physics().set(path[1], numbers(item, edit.property(), edit.value()));
+                case "physics" -> item.physics()
+                        .set(path[1], numbers(item, edit.property(), edit.value()));
                 case "semantic" -> item.semantic().set(path[1], edit.value());
                 default -> throw noSuchProperty(edit.property());
             }
@@ -47,8 +48,10 @@ final class ItemEdit {
     }
 
     private static ActionRefused noSuchProperty(String property) {
-        return new ActionRefused("no-such-property", "there is no property " + Text.quote(property)
-                + "; expected physical.location, physical.orientation, physical.colour, physics.NAME or semantic.NAME");
+        return new ActionRefused("no-such-property",
+                "there is no property " + Text.quote(property)
+                        + "; expected physical.location, physical.orientation, physical.colour,"
+                        + " physics.NAME or semantic.NAME");
     }
 
     private static Colour colour(Item item, Object value) {
@@ -62,8 +65,8 @@ final class ItemEdit {
     private static double[] numbers(Item item, String property, Object value, int count) {
         double[] numbers = numbers(item, property, value);
         if (numbers.length != count) {
-            throw new IllegalArgumentException("item " + item.name() + ": " + property + " is " + numbers.length
-                    + " numbers, expected " + count);
+            throw new IllegalArgumentException("item " + item.name() + ": " + property + " is "
+                    + numbers.length + " numbers, expected " + count);
         }
         return numbers;
     }
@@ -72,8 +75,9 @@ final class ItemEdit {
         return switch (value) {
             case Double number -> new double[] {number};
             case List<?> list -> list.stream().mapToDouble(number -> (Double) number).toArray();
-            default -> throw new IllegalArgumentException("item " + item.name() + ": " + property + " is "
-                    + (value instanceof String text ? Text.quote(text) : value) + ", expected numbers");
+            default -> throw new IllegalArgumentException("item " + item.name() + ": " + property
+                    + " is " + (value instanceof String text ? Text.quote(text) : value)
+                    + ", expected numbers");
         };
     }
 }

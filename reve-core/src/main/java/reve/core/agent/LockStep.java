@@ -8,8 +8,9 @@ import reve.core.frame.FrameClock;
 import reve.core.frame.FrameGate;
 
 /**
- * Holds the world until all agents in lock-step are ready whose round it is, or their deadlines have passed. All are
- * waited for at once, from the moment when the world could go on; nobody is late before the world goes on without it.
+ * Holds the world until all agents in lock-step are ready whose round it is, or their deadlines
+ * have passed. All are waited for at once, from the moment when the world could go on; nobody is
+ * late before the world goes on without it.
  */
 final class LockStep implements FrameGate {
 
@@ -63,7 +64,10 @@ final class LockStep implements FrameGate {
 
     // ---- any thread ----
 
-    /** Somebody waits to be let in: agents that have not been ready yet do not keep the next frame from being made. */
+    /**
+     * Somebody waits to be let in: agents that have not been ready yet do not keep the next frame
+     * from being made.
+     */
     void comes() {
         coming.incrementAndGet();
         wake.run();

@@ -8,8 +8,8 @@ import reve.core.world.ItemId;
 import reve.core.world.Sensor;
 
 /**
- * The pictures that one client asks its body's cameras for: one at a time, each at its camera's pace. The event
- * loop's thread.
+ * The pictures that one client asks its body's cameras for: one at a time, each at its camera's
+ * pace. The event loop's thread.
  */
 final class Looks {
 
@@ -38,8 +38,8 @@ final class Looks {
             return; // asked again over another connection: the answer is on its way
         }
         if (pending.isPresent()) {
-            throw new BadMessage(look.id(), "look-pending", "the picture asked for before is still on its way",
-                    "wait for it");
+            throw new BadMessage(look.id(), "look-pending",
+                    "the picture asked for before is still on its way", "wait for it");
         }
         requireTurn(look, camera, world.publisher().published());
         pending = OptionalLong.of(look.id());
@@ -51,7 +51,8 @@ final class Looks {
 
             @Override
             public void refused(String reason) {
-                world.publisher().later(() -> tell(new ServerMessage.Error(look.id(), "no-picture", reason, "try again")));
+                world.publisher().later(() -> tell(
+                        new ServerMessage.Error(look.id(), "no-picture", reason, "try again")));
             }
 
             @Override
@@ -67,8 +68,10 @@ final class Looks {
         long last = lastFrames.getOrDefault(camera.name(), Long.MIN_VALUE / 2);
         long next = last + camera.every();
         if (frame > last && frame < next) {
-            throw new BadMessage(look.id(), "not-yet", "the camera " + Text.quote(camera.name())
-                    + " takes a picture every " + camera.every() + " frames", "look again from frame " + next + " on");
+            throw new BadMessage(look.id(), "not-yet",
+                    "the camera " + Text.quote(camera.name()) + " takes a picture every "
+                            + camera.every() + " frames",
+                    "look again from frame " + next + " on");
         }
     }
 
