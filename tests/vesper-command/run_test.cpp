@@ -58,7 +58,8 @@ TEST(RunTest, SceneOfTheDocumentationRuns) {
   const Folder folder;
   const Outcome outcome =
       RunScene(folder.Write("s.vesper", page.substr(begin, page.find("```", begin) - begin)),
-               {"--frames", "2", "--every", "2", "--csv", folder / "s.csv", "--png", folder / "%d.png"});
+               {"--frames", "2", "--every", "2", "--csv", folder / "s.csv", "--png",
+                   folder / "%d.png"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
   EXPECT_NE(outcome.output.find("2 frames, 20 steps, t = 0.02 s"), std::string::npos)
       << outcome.output;
@@ -71,7 +72,8 @@ TEST(RunTest, ProjectilesFollowTheClosedFormOfTheScheme) {
   const Table t = CsvOf(kScenes + "/projectile.vesper", 200, 50);
   ASSERT_EQ(t.at("frame").size(), 5u * 3);
   for (size_t i = 0; i < t.at("frame").size(); ++i) {
-    const double n = t.at("frame")[i] * 10, dt = 1e-3, angle = (30 + 15 * t.at("row")[i]) * M_PI / 180;
+    const double n = t.at("frame")[i] * 10, dt = 1e-3;
+    const double angle = (30 + 15 * t.at("row")[i]) * M_PI / 180;
     EXPECT_NEAR(t.at("time")[i], n * dt, 1e-12);
     EXPECT_NEAR(t.at("position.x")[i], 20 * std::cos(angle) * n * dt, 1e-9);
     EXPECT_NEAR(t.at("position.y")[i],
@@ -273,7 +275,8 @@ TEST(RunTest, LawThatBreaksDownEndsWith1AndNamesFrameLawAndProperty) {
   const Outcome outcome = RunScene(
       folder.Write("s.vesper",
                    "scene 1\ndt 1\nlaw gravity_field\nlaw newton_motion\nrows world 1\n"
-                   "gravity (0 1e308 0)\nrows body 1\nmass 1\nposition (0 0 0)\nvelocity (0 0 0)\n"),
+                   "gravity (0 1e308 0)\nrows body 1\nmass 1\n"
+                   "position (0 0 0)\nvelocity (0 0 0)\n"),
       {});
   EXPECT_EQ(outcome.exit_code, 1);
   EXPECT_NE(outcome.errors.find(": frame 2: LAW_MISBEHAVED: "), std::string::npos)
@@ -289,7 +292,8 @@ TEST(RunTest, LawThatBreaksDownOnADeviceIsNamedByTheReportThatAsksForItsValues) 
       "mass 1e200 1e200\nposition (0 0 0) (1 0 0)\nvelocity all (0 0 0)\n");
   const Outcome outcome = RunScene(scene, {"--frames", "3"});
   EXPECT_EQ(outcome.exit_code, 1);
-  EXPECT_NE(outcome.errors.find(scene + ": frame 3: LAW_MISBEHAVED: law opencl_gravitation: property "
+  EXPECT_NE(
+      outcome.errors.find(scene + ": frame 3: LAW_MISBEHAVED: law opencl_gravitation: property "
                                         "externalForce, row 0"),
             std::string::npos)
       << outcome.errors;

@@ -56,7 +56,8 @@ SceneRun RunScene(const std::string& name, int seconds, int threads) {
                        std::to_string(60 * seconds), "--threads", std::to_string(threads), "--csv",
                        folder / "frames.csv", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.errors;
-  return {CornersOf(ReadFrames(ReadText(folder / "frames.csv"))), Json::parse(outcome.output)["stateHash"]};
+  return {CornersOf(ReadFrames(ReadText(folder / "frames.csv"))),
+      Json::parse(outcome.output)["stateHash"]};
 }
 
 /// Largest relative change of an edge at the end. Edges join the corners nearest to each other at
@@ -66,7 +67,9 @@ double EdgeChange(const std::vector<Corners>& frames) {
   int edges = 0;
   for (size_t i = 0; i < kCorners; ++i) {
     for (size_t j = 0; j < i; ++j) {
-      const auto length = [&](const Corners& at) { return Length(at.position[i] - at.position[j]); };
+      const auto length = [&](const Corners& at) {
+        return Length(at.position[i] - at.position[j]);
+      };
       if (std::abs(length(frames.front()) - kEdge) > 1e-3) continue;
       ++edges;
       change = std::max(change, std::abs(length(frames.back()) / kEdge - 1));

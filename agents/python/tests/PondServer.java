@@ -12,20 +12,21 @@ import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
 /**
- * Serves a world file on an ephemeral port, for the tests beside it: prints the port, then makes frames until its
- * standard input ends. Run as a source file.
+ * Serves a world file on an ephemeral port, for the tests beside it: prints the port, then makes
+ * frames until its standard input ends. Run as a source file.
  */
 final class PondServer {
 
     public static void main(String[] arguments) throws Exception {
         Path file = Path.of(arguments[0]);
-        System.setProperty("reve.native.path", Path.of(System.getenv("REVE_ROOT"), "build", "native").toString());
+        System.setProperty("reve.native.path",
+                Path.of(System.getenv("REVE_ROOT"), "build", "native").toString());
         var plan = new WorldPlan(WorldFile.load(file), Long.MAX_VALUE,
-                new Persistence(file.getParent(), Optional.empty(), Optional.empty(), Optional.empty(), 10,
-                        SqliteStore.Durability.NORMAL),
+                new Persistence(file.getParent(), Optional.empty(), Optional.empty(),
+                        Optional.empty(), 10, SqliteStore.Durability.NORMAL),
                 new Pictures(file.getParent(), List.of()));
-        try (var server = new WorldServer(List.of(plan), Pacing.REAL_TIME, AgentServerConfig.onPort(0),
-                Optional.empty(), (event, fields) -> { })) {
+        try (var server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
+                AgentServerConfig.onPort(0), Optional.empty(), (event, fields) -> { })) {
             System.out.println(server.port());
             Thread.ofVirtual().start(() -> {
                 while (readByte() >= 0) {

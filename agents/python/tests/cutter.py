@@ -11,7 +11,8 @@ _CHUNK = 4096
 
 
 class Cutter:
-    """Passes connections on, and ends each where the server has said some bytes, in the midst of a message mostly."""
+    """Passes connections on, and ends each where the server has said some bytes, in the midst of
+    a message mostly."""
 
     def __init__(self, server: int, seed: int, most_bytes: int) -> None:
         self.cuts = 0
@@ -38,7 +39,9 @@ class Cutter:
             way = socket.create_connection(("127.0.0.1", self._server))
             most = self._random.randrange(self._most_bytes // 4, self._most_bytes)
             for source, target, left in (client, way, None), (way, client, most):
-                threading.Thread(target=self._pass_on, args=(source, target, left), daemon=True).start()
+                threading.Thread(
+                    target=self._pass_on, args=(source, target, left), daemon=True
+                ).start()
 
     def _pass_on(self, source: socket.socket, target: socket.socket, left: Optional[int]) -> None:
         try:

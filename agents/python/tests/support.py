@@ -19,7 +19,8 @@ sys.path.insert(0, str(PACKAGE))
 
 def vectors(name: str) -> List[Any]:
     """One value per line of a file of test vectors."""
-    return [json.loads(line) for line in (PROTOCOL / "vectors" / name).read_text("utf-8").splitlines()]
+    text = (PROTOCOL / "vectors" / name).read_text("utf-8")
+    return [json.loads(line) for line in text.splitlines()]
 
 
 def java(program: str, *arguments: str) -> List[str]:
@@ -31,14 +32,18 @@ def java(program: str, *arguments: str) -> List[str]:
             "these tests start Java programs: set REVE_TEST_CLASSPATH to their class path and "
             "REVE_JAVA_HOME to a JDK 25, or run `./reve test`, which does"
         )
-    return [f"{java_home}/bin/java", "--enable-native-access=ALL-UNNAMED", "-cp", class_path, program, *arguments]
+    java = [f"{java_home}/bin/java", "--enable-native-access=ALL-UNNAMED", "-cp", class_path]
+    return [*java, program, *arguments]
 
 
 @contextlib.contextmanager
 def launched(*arguments: str) -> Iterator[int]:
-    """`./reve` with these arguments, which make it a server, in the project's folder; yields its port."""
+    """`./reve` with these arguments, which make it a server, in the project's folder; yields its
+    port."""
     root = PACKAGE.parents[1]
-    server = subprocess.Popen([str(root / "reve"), *arguments, "--json"], cwd=root, stdout=subprocess.PIPE, text=True)
+    server = subprocess.Popen(
+        [str(root / "reve"), *arguments, "--json"], cwd=root, stdout=subprocess.PIPE, text=True
+    )
     try:
         assert server.stdout is not None
         events = (json.loads(line) for line in server.stdout)

@@ -39,7 +39,8 @@ class AgentTest(unittest.TestCase):
             self.join("ada", body="duck")
         self.assertEqual(raised.exception.code, "no-such-body")
         with self.join("ada", body="boat") as ada, self.join("bob") as bob:
-            self.assertEqual((ada.name, ada.body, ada.welcome.world, ada.welcome.rate), ("ada", "boat", "pond", 240))
+            self.assertEqual((ada.name, ada.body), ("ada", "boat"))
+            self.assertEqual((ada.welcome.world, ada.welcome.rate), ("pond", 240))
             self.assertEqual((bob.name, bob.body), ("bob", "bob"))
             names = [item.name for item in bob.perceive().items]
             self.assertEqual(names, ["duck", "boat", "rope", "anchor", "bob"])
@@ -87,7 +88,9 @@ class AgentTest(unittest.TestCase):
 
     def test_a_refused_act_is_a_result_with_code_and_reason(self):
         with self.join("ian") as ian:
-            for arguments, code in (({}, "missing-argument"), ({"impulse": [1, 2]}, "wrong-components")):
+            for arguments, code in (
+                ({}, "missing-argument"), ({"impulse": [1, 2]}, "wrong-components")
+            ):
                 result = ian.act("duck", "push", **arguments)
                 self.assertFalse(result)
                 self.assertEqual(result.code, code)
@@ -130,7 +133,9 @@ class AgentTest(unittest.TestCase):
         ola = self.join("ola")
         ola.close()
         ola.close()
-        for call in (ola.perceive, ola.ping, lambda: ola.act("duck", "push"), lambda: next(ola.perceptions())):
+        for call in (
+            ola.perceive, ola.ping, lambda: ola.act("duck", "push"), lambda: next(ola.perceptions())
+        ):
             with self.assertRaises(reve.Disconnected) as raised:
                 call()
             self.assertEqual(raised.exception.code, "closed")
@@ -222,7 +227,8 @@ class AgentTest(unittest.TestCase):
             self.assertEqual((ahead.time, ahead.items), (lived.time, lived.items))
             self.assertGreater(lived.find("duck").location[1], start.find("duck").location[1])
             again = boss.rewind("rising").frame
-            self.assertEqual(next(seen for seen in stream if seen.frame == again).items, start.items)
+            rewound = next(seen for seen in stream if seen.frame == again)
+            self.assertEqual(rewound.items, start.items)
             begin = boss.rewind().frame
             self.assertEqual(next(seen for seen in stream if seen.frame == begin).time, 0.0)
             self.assertEqual(boss.rewind("falling").code, "no-such-image")
@@ -246,7 +252,8 @@ class AgentTest(unittest.TestCase):
             before = una.observe()
             self.assertEqual(before.frame, una.welcome.frame)
             for number in range(20):
-                after = una.step(reve.Act("duck", "paint", {"colour": f"shade {number}"}), reve.Act("swan", "paint"))
+                duck = reve.Act("duck", "paint", {"colour": f"shade {number}"})
+                after = una.step(duck, reve.Act("swan", "paint"))
                 self.assertEqual(after.frame, before.frame + 1)
                 self.assertEqual(after.find("duck").symbols["colour"], f"shade {number}")
                 self.assertEqual([result.code for result in after.results], [None, "no-such-item"])
@@ -263,7 +270,8 @@ class AgentTest(unittest.TestCase):
                 self.assertTrue(all(wim.observe().results))
 
     def test_who_is_late_is_told_and_catches_up(self):
-        with self.join("xia", time=reve.LockStep(deadline=0.01, fallback=reve.Act("duck", "paint", {"colour": "late"}))) as xia:
+        fallback = reve.Act("duck", "paint", {"colour": "late"})
+        with self.join("xia", time=reve.LockStep(deadline=0.01, fallback=fallback)) as xia:
             first = xia.observe()
             later = xia.observe(first.frame + 5)
             self.assertGreaterEqual(later.frame, first.frame + 5)
@@ -291,9 +299,11 @@ class AgentTest(unittest.TestCase):
         encodings = ("json", "msgpack") if importlib.util.find_spec("msgpack") else ("json",)
         paint = reve.Act("duck", "paint", {"colour": "red"})
         with self.join("eye", role="observer") as eye:
-            for encoding, lock_step in itertools.product(encodings, (None, reve.LockStep(deadline=5.0))):
+            rhythms = (None, reve.LockStep(deadline=5.0))
+            for encoding, lock_step in itertools.product(encodings, rhythms):
                 name = f"cut-{encoding}-{'step' if lock_step else 'free'}"
-                with self.subTest(name, seed=seed), Cutter(self.port, seed, 3000) as way, reve.connect(
+                cutter = Cutter(self.port, seed, 3000)
+                with self.subTest(name, seed=seed), cutter as way, reve.connect(
                     port=way.port, name=name, encoding=encoding, time=lock_step, grace=20.0
                 ) as agent:
                     for _ in range(30):
@@ -301,11 +311,15 @@ class AgentTest(unittest.TestCase):
                             self.assertTrue(agent.step(paint).results[0])
                         else:
                             self.assertTrue(agent.act("duck", "paint", colour="red"))
-                    agent.step() if lock_step else agent.perceive()  # after the events of the last act
+                    # after the events of the last act
+                    agent.step() if lock_step else agent.perceive()
                     eye.perceive()
                     self.assertGreater(way.cuts, 0)
                     for who in (agent, eye):
-                        acted = [e for e in who.events() if e.type == "acted" and e.fields["agent"] == name]
+                        acted = [
+                            event for event in who.events()
+                            if event.type == "acted" and event.fields["agent"] == name
+                        ]
                         self.assertEqual(len(acted), 30)
 
     def test_only_who_is_in_lock_step_steps(self):
@@ -321,12 +335,14 @@ class AgentTest(unittest.TestCase):
 
     def test_the_curious_example_follows_and_pushes_what_is_interesting(self):
         example = subprocess.run(
-            [sys.executable, str(PACKAGE / "examples" / "curious.py"), "--port", str(self.port), "--seconds", "0.5",
-             "--push-every", "0.1"],
-            env={"PYTHONPATH": str(PACKAGE)}, stdout=subprocess.PIPE, text=True, timeout=60, check=True,
+            [sys.executable, str(PACKAGE / "examples" / "curious.py"),
+             "--port", str(self.port), "--seconds", "0.5", "--push-every", "0.1"],
+            env={"PYTHONPATH": str(PACKAGE)}, stdout=subprocess.PIPE, text=True, timeout=60,
+            check=True,
         )
         summary = json.loads(example.stdout.splitlines()[-1])
-        self.assertEqual((summary["agent"], summary["world"], summary["ended"]), ("curious", "pond", "done"))
+        said = (summary["agent"], summary["world"], summary["ended"])
+        self.assertEqual(said, ("curious", "pond", "done"))
         self.assertEqual(summary["favourite"], "duck")
         self.assertGreaterEqual(summary["pushes"], 2)
         self.assertGreaterEqual(summary["events"]["quack"], 1)
@@ -338,7 +354,8 @@ class AgentTest(unittest.TestCase):
             stdout=subprocess.PIPE, text=True, timeout=60, check=True,
         )
         summary = json.loads(example.stdout.splitlines()[-1])
-        self.assertEqual((summary["agent"], summary["world"], summary["ended"]), ("painter", "pond", "done"))
+        said = (summary["agent"], summary["world"], summary["ended"])
+        self.assertEqual(said, ("painter", "pond", "done"))
         self.assertEqual(summary["painted"], {"duck": "#0040ff"})
         self.assertEqual((summary["actsAccepted"], summary["actsRefused"]), (1, {}))
 

@@ -43,13 +43,15 @@ class AsyncAgentTest(unittest.IsolatedAsyncioTestCase):
 
     async def test_agents_step_together(self):
         time = reve.LockStep(deadline=5.0)
-        async with await self.join("cyd", time=time) as cyd, await self.join("dan", time=time) as dan:
+        async with await self.join("cyd", time=time) as cyd, \
+                await self.join("dan", time=time) as dan:
             first = await dan.observe()
             await cyd.observe(first.frame)
             for number in range(1, 20):
                 seen = await asyncio.gather(
                     cyd.step(reve.Act("duck", "paint", {"colour": f"shade {number}"})), dan.step())
-                self.assertEqual([perception.frame for perception in seen], [first.frame + number] * 2)
+                frames = [perception.frame for perception in seen]
+                self.assertEqual(frames, [first.frame + number] * 2)
                 self.assertEqual(seen[1].find("duck").symbols["colour"], f"shade {number}")
                 self.assertTrue(seen[0].results[0])
 

@@ -1,4 +1,5 @@
-"""The examples in the documents, run as they are against the real server; only the port is exchanged."""
+"""The examples in the documents, run as they are against the real server; only the port is
+exchanged."""
 
 import os
 import pathlib
@@ -20,14 +21,15 @@ PAGE = PACKAGE.parents[1] / "docs" / "agents.md"
 
 def examples(document: pathlib.Path, language: str, port: int) -> List[str]:
     """The code blocks in that language, "" for those that name none."""
-    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", document.read_text("utf-8"), re.MULTILINE | re.DOTALL)
+    text = document.read_text("utf-8")
+    blocks = re.findall(r"^```(\w*)\n(.*?)^```$", text, re.MULTILINE | re.DOTALL)
     return [code.replace("7777", str(port)) for name, code in blocks if name == language]
 
 
 def python(script: str) -> "subprocess.CompletedProcess[str]":
     return subprocess.run(
-        [sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(PACKAGE)}, capture_output=True, text=True,
-        timeout=60,
+        [sys.executable, "-c", script], env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+        capture_output=True, text=True, timeout=60,
     )
 
 
@@ -45,7 +47,8 @@ class PageTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        command = re.search(r"^    \./reve (serve .*)$", PAGE.read_text("utf-8"), re.MULTILINE).group(1)
+        page = PAGE.read_text("utf-8")
+        command = re.search(r"^    \./reve (serve .*)$", page, re.MULTILINE).group(1)
         cls.server = launched(*command.replace("7777", "0").split())
         cls.port = cls.server.__enter__()
 

@@ -1,4 +1,5 @@
-"""Worlds to learn in: against the checkers of Gymnasium and PettingZoo, on real servers with real physics."""
+"""Worlds to learn in: against the checkers of Gymnasium and PettingZoo, on real servers with real
+physics."""
 
 import importlib.util
 import json
@@ -16,6 +17,7 @@ import reve
 ROOT = PACKAGE.parents[1]
 LAUNCHER = ROOT / "reve"
 HAS_GYM = all(importlib.util.find_spec(package) for package in ("gymnasium", "numpy", "pettingzoo"))
+EXPECTED_WARNINGS = ".*(infinity|spec|symmetric and normalized).*"
 
 if HAS_GYM:
     import numpy
@@ -69,15 +71,19 @@ class GymTest(unittest.TestCase):
         return environment
 
     def test_gymnasiums_checker_is_content(self):
-        environment = self.environment("cart-pole", lambda at: Environment(at, Balance(), frames=2, steps=50))
+        environment = self.environment(
+            "cart-pole", lambda at: Environment(at, Balance(), frames=2, steps=50)
+        )
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            warnings.filterwarnings("ignore", message=".*(infinity|spec|symmetric and normalized).*")
+            warnings.filterwarnings("ignore", message=EXPECTED_WARNINGS)
             check_env(environment)
 
     def test_pettingzoos_checker_is_content(self):
         tasks = {"ada": Reach("robot1"), "bob": Reach("robot2")}
-        environment = self.environment("playground", lambda at: ParallelEnvironment(at, tasks, frames=3, steps=25))
+        environment = self.environment(
+            "playground", lambda at: ParallelEnvironment(at, tasks, frames=3, steps=25)
+        )
         with warnings.catch_warnings():
             warnings.simplefilter("error")
             parallel_api_test(environment, num_cycles=40)
@@ -87,7 +93,7 @@ class GymTest(unittest.TestCase):
             at, Balance(), frames=2, steps=50, render_mode="rgb_array", camera=("viewer", "eye")))
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            warnings.filterwarnings("ignore", message=".*(infinity|spec|symmetric and normalized).*")
+            warnings.filterwarnings("ignore", message=EXPECTED_WARNINGS)
             check_env(environment)
 
     def test_a_rendered_picture_shows_the_world_as_the_step_left_it(self):
@@ -117,7 +123,8 @@ class GymTest(unittest.TestCase):
 
         def episode(seed):
             first, _ = environment.reset(seed=seed)
-            return [first, *(environment.step(numpy.array([0.3], numpy.float32))[0] for _ in range(20))]
+            push = numpy.array([0.3], numpy.float32)
+            return [first, *(environment.step(push)[0] for _ in range(20))]
 
         one, other, again = episode(1), episode(2), episode(1)
         numpy.testing.assert_array_equal(one, again)
@@ -127,7 +134,8 @@ class GymTest(unittest.TestCase):
         environment = self.environment("cart-pole", lambda at: Environment(at, Balance()))
         (_, before, _, _), _ = environment.reset(seed=3)
         (_, after, _, _), _, _, _, _ = environment.step(numpy.array([1.0], numpy.float32))
-        self.assertAlmostEqual(after - before, 10.0 / 60 / 1.0, delta=0.005)  # 10 N for a frame on 1 kg, and the pole
+        # 10 N for a frame on 1 kg, and the pole
+        self.assertAlmostEqual(after - before, 10.0 / 60 / 1.0, delta=0.005)
 
     def test_an_edit_that_the_world_refuses_is_told(self):
         class Wrong(Balance):
@@ -144,14 +152,17 @@ class GymTest(unittest.TestCase):
                 pass
 
     def test_a_launcher_that_is_not_there_is_named(self):
-        with self.assertRaisesRegex(reve.ReveError, r"cannot run /nowhere/reve: No such file.*launcher"):
+        message = r"cannot run /nowhere/reve: No such file.*launcher"
+        with self.assertRaisesRegex(reve.ReveError, message):
             with reve.serve("worlds/cart-pole", launcher="/nowhere/reve"):
                 pass
 
     def test_the_learner_gets_better(self):
         run = subprocess.run(
-            [sys.executable, str(PACKAGE / "examples" / "balance.py"), "--generations", "3", "--launcher", str(LAUNCHER)],
-            cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)}, capture_output=True, text=True, timeout=300,
+            [sys.executable, str(PACKAGE / "examples" / "balance.py"),
+             "--generations", "3", "--launcher", str(LAUNCHER)],
+            cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+            capture_output=True, text=True, timeout=300,
         )
         self.assertIn(run.returncode, (0, 1), run.stderr)  # 1: not yet perfect
         history = json.loads(run.stdout)["history"]
@@ -161,7 +172,8 @@ class GymTest(unittest.TestCase):
         page = (ROOT / "docs" / "learning.md").read_text("utf-8")
         for script in re.findall(r"^```python\n(.*?)^```$", page, re.MULTILINE | re.DOTALL):
             run = subprocess.run(
-                [sys.executable, "-c", script], cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)},
+                [sys.executable, "-c", script],
+                cwd=ROOT, env={**os.environ, "PYTHONPATH": str(PACKAGE)},
                 capture_output=True, text=True, timeout=120,
             )
             self.assertEqual(run.returncode, 0, run.stderr)

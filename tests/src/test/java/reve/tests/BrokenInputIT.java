@@ -18,7 +18,9 @@ import reve.tests.Server.Events;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
-/** Rubbish in the laws folder and on the port of a running server: one message each, nothing else. */
+/**
+ * Rubbish in the laws folder and on the port of a running server: one message each, nothing else.
+ */
 class BrokenInputIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final String SECONDS = "12";
@@ -34,8 +36,8 @@ class BrokenInputIT {
         compile("no_law.c", ready.resolve("no_law.so"));
         compile("other_abi.c", ready.resolve("other_abi.so"));
         compile("nan_writer.cpp", ready.resolve("nan_writer.so"));
-        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--laws", laws.toString(),
-                "--seconds", SECONDS, "--json")) {
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--laws",
+                laws.toString(), "--seconds", SECONDS, "--json")) {
             Events events = server.events();
             int port = events.await("ready", line -> true).get("agentPort").asInt();
             for (String file : List.of("text.so", "no_law.so", "other_abi.so", "nan_writer.so")) {
@@ -46,27 +48,31 @@ class BrokenInputIT {
             assertThat(fault(events, "text.so")).contains("not an ELF file");
             assertThat(fault(events, "no_law.so")).contains("vesper_law_library_entry");
             assertThat(fault(events, "other_abi.so")).contains("7.3").contains("1.1");
-            JsonNode nan = events.await("fault", line -> line.path("library").asString("").equals("nan_writer"));
+            JsonNode nan = events.await("fault",
+                    line -> line.path("library").asString("").equals("nan_writer"));
             assertThat(nan.path("law").asString()).isEqualTo("nan_writer");
             assertThat(nan.path("property").asString()).isEqualTo("velocity");
             assertThat(nan.path("item").asString()).isEqualTo("blue");
             assertThat(nan.path("message").asString()).contains("velocity").contains("row 1");
 
             JsonNode end = events.await("end", line -> true);
-            assertThat(end.get("faults").size()).as("one message each: " + end.get("faults")).isEqualTo(4);
+            assertThat(end.get("faults").size()).as("one message each: " + end.get("faults"))
+                    .isEqualTo(4);
             assertThat(end.at("/profile/redoneFrames").asInt()).isEqualTo(1);
             assertThat(server.exitCode()).isZero();
-            assertThat(end.get("stateHash")).as("state of a world that nobody disturbed").isEqualTo(undisturbed());
+            assertThat(end.get("stateHash")).as("state of a world that nobody disturbed")
+                    .isEqualTo(undisturbed());
         }
     }
 
     private JsonNode undisturbed() throws Exception {
-        return new JsonMapper().readTree(Reve.run("run", WORLD, "--seconds", SECONDS, "--json").out())
-                .get("stateHash");
+        String report = Reve.run("run", WORLD, "--seconds", SECONDS, "--json").out();
+        return new JsonMapper().readTree(report).get("stateHash");
     }
 
     private static String fault(Events events, String file) throws Exception {
-        return events.await("fault", line -> line.path("file").asString("").equals(file)).get("message").asString();
+        return events.await("fault", line -> line.path("file").asString("").equals(file))
+                .get("message").asString();
     }
 
     /** Each line is answered with an error or a bye that has a code, and others can still join. */
@@ -74,9 +80,10 @@ class BrokenInputIT {
         long seed = System.nanoTime();
         System.out.println("garbage seed " + seed);
         Random random = new Random(seed);
-        List<byte[]> lines = new ArrayList<>(List.of("GET / HTTP/1.1\r\n".getBytes(StandardCharsets.US_ASCII),
-                "{\"t\":\"hello\",\"protocol\":99,\"name\":\"x\"}\n".getBytes(StandardCharsets.UTF_8),
-                "{\"t\":\"act\",\"id\":1,\"item\":\"red\",\"action\":\"paint\"}\n".getBytes(StandardCharsets.UTF_8)));
+        List<byte[]> lines = new ArrayList<>(List.of(
+                bytes("GET / HTTP/1.1\r\n"),
+                bytes("{\"t\":\"hello\",\"protocol\":99,\"name\":\"x\"}\n"),
+                bytes("{\"t\":\"act\",\"id\":1,\"item\":\"red\",\"action\":\"paint\"}\n")));
         byte[] noise = new byte[300];
         random.nextBytes(noise);
         noise[299] = '\n';
@@ -92,12 +99,16 @@ class BrokenInputIT {
         }
         try (Socket socket = new Socket(InetAddress.getLoopbackAddress(), port)) {
             socket.setSoTimeout(5_000);
-            socket.getOutputStream().write(
-                    "{\"t\":\"hello\",\"protocol\":1,\"name\":\"good\"}\n".getBytes(StandardCharsets.UTF_8));
+            socket.getOutputStream()
+                    .write(bytes("{\"t\":\"hello\",\"protocol\":1,\"name\":\"good\"}\n"));
             assertThat(new String(socket.getInputStream().readNBytes(14), StandardCharsets.UTF_8))
                     .isEqualTo("{\"t\":\"welcome\"");
         }
     }
+
+        private static byte[] bytes(String line) {
+            return line.getBytes(StandardCharsets.UTF_8);
+        }
 
     private void compile(String source, Path library) throws Exception {
         Path file = folder.resolve(source);
@@ -105,10 +116,11 @@ class BrokenInputIT {
             Files.write(file, text.readAllBytes());
         }
         Path built = folder.resolve("built.so");
-        Process compiler = new ProcessBuilder(source.endsWith(".cpp") ? "g++" : "gcc", "-shared", "-fPIC", "-O1",
-                "-fvisibility=hidden", "-std=" + (source.endsWith(".cpp") ? "c++20" : "c11"),
-                "-I" + Project.ROOT.resolve("vesper-native/include"), file.toString(), "-o", built.toString())
-                .redirectErrorStream(true).start();
+        boolean cpp = source.endsWith(".cpp");
+        Process compiler = new ProcessBuilder(cpp ? "g++" : "gcc", cpp ? "-std=c++20" : "-std=c11",
+                "-shared", "-fPIC", "-O1", "-fvisibility=hidden",
+                "-I" + Project.ROOT.resolve("vesper-native/include"),
+                file.toString(), "-o", built.toString()).redirectErrorStream(true).start();
         String said = new String(compiler.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         assertThat(compiler.waitFor()).as(said).isZero();
         Files.move(built, library);

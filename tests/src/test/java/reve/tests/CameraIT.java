@@ -24,7 +24,10 @@ class CameraIT {
     @TempDir
     private Path folder;
 
-    /** The robot looks along +z: at a ball, in front of a wall that is out of range, with a cube behind it. */
+    /**
+     * The robot looks along +z: at a ball, in front of a wall that is out of range,
+     * with a cube behind it.
+     */
     private String world() throws Exception {
         return Files.writeString(folder.resolve("world.yaml"), """
                 reve: 1
@@ -50,8 +53,9 @@ class CameraIT {
     }
 
     private static AgentClient join(Server server, Encoding encoding) throws Exception {
-        return AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()), Join.as("ada").withEncoding(encoding)
-                .withLockStep(LockStep.every(1).withDeadline(Duration.ofSeconds(10))));
+        return AgentClient.connect("127.0.0.1", Integer.parseInt(server.port()),
+                Join.as("ada").withEncoding(encoding).withLockStep(
+                        LockStep.every(1).withDeadline(Duration.ofSeconds(10))));
     }
 
     private static float depth(Image image, int x, int y) {
@@ -71,11 +75,13 @@ class CameraIT {
             assertThat(image.find(SIDE - post, 10)).isEmpty();
 
             double distance = 4 - 0.6 * image.time();
-            assertThat(depth(image, SIDE / 2, SIDE / 2)).isCloseTo((float) (distance - 0.5), within(3e-3f));
+            assertThat(depth(image, SIDE / 2, SIDE / 2))
+                    .isCloseTo((float) (distance - 0.5), within(3e-3f));
             assertThat(depth(image, 0, SIDE / 2)).as("the wall is out of range").isZero();
             long ball = 0;
             for (int pixel = 0; pixel < SIDE * SIDE; pixel++) {
-                ball += image.find(pixel % SIDE, pixel / SIDE).filter("ball"::equals).isPresent() ? 1 : 0;
+                var found = image.find(pixel % SIDE, pixel / SIDE);
+                ball += found.filter("ball"::equals).isPresent() ? 1 : 0;
             }
             double disc = Math.tan(Math.asin(0.5 / distance)) / Math.tan(FIELD / 2) * SIDE / 2;
             assertThat(Math.sqrt(ball / Math.PI)).isCloseTo(disc, within(0.5));
@@ -89,8 +95,9 @@ class CameraIT {
 
     /** What the robot sees in the world as it began. */
     private Image atTheBeginning(Encoding encoding) throws Exception {
-        try (Server server = serve(); AgentClient ada = join(server, encoding); AgentClient boss = AgentClient.connect(
-                "127.0.0.1", Integer.parseInt(server.port()), Join.as("boss").withRole("control"))) {
+        try (Server server = serve(); AgentClient ada = join(server, encoding);
+                AgentClient boss = AgentClient.connect("127.0.0.1",
+                        Integer.parseInt(server.port()), Join.as("boss").withRole("control"))) {
             assertThat(boss.command("rewind", Map.of()).accepted()).isTrue();
             return ada.look("eye");
         }
@@ -113,7 +120,9 @@ class CameraIT {
         try (Server server = serve(); AgentClient ada = join(server, Encoding.MESSAGEPACK)) {
             Image before = ada.look("eye");
             var renderers = server.process().descendants()
-                    .filter(process -> process.info().command().orElse("").endsWith("vesper-render")).toList();
+                    .filter(process ->
+                            process.info().command().orElse("").endsWith("vesper-render"))
+                    .toList();
             assertThat(renderers).hasSize(1);
             renderers.forEach(ProcessHandle::destroyForcibly);
             Image after = ada.look("eye");

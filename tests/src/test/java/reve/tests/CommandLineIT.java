@@ -23,7 +23,8 @@ class CommandLineIT {
     void helpNamesEveryCommandAndExitCode() throws Exception {
         Outcome help = Reve.run("--help");
         assertThat(help.code()).isZero();
-        assertThat(help.out()).contains("serve", "run", "snapshot", "check", "demo", "build", "test", "Exit codes");
+        assertThat(help.out()).contains(
+                "serve", "run", "snapshot", "check", "demo", "build", "test", "Exit codes");
         for (String command : new String[] {"serve", "run", "snapshot", "check", "demo"}) {
             assertThat(Reve.run(command, "--help").code()).as(command).isZero();
         }
@@ -33,13 +34,14 @@ class CommandLineIT {
     void wrongUsageIsExitCode2AndShowsTheUsage() throws Exception {
         Outcome unknown = Reve.run("snapshots");
         assertThat(unknown.code()).isEqualTo(2);
-        assertThat(unknown.err()).contains("snapshots").contains("Did you mean").contains("snapshot");
+        assertThat(unknown.err())
+                .contains("snapshots").contains("Did you mean").contains("snapshot");
         assertThat(Reve.run("run", SPRING_ORBIT, "--seconds", "-1").code()).isEqualTo(2);
         Outcome port = Reve.run("serve", SPRING_ORBIT, "--port", "70000");
         assertThat(port.code()).isEqualTo(2);
         assertThat(port.err()).contains("--port is 70000").contains("65535");
-        Outcome size = Reve.run("snapshot", SPRING_ORBIT, "--out", folder.resolve("x.png").toString(),
-                "--size", "huge");
+        Outcome size = Reve.run("snapshot", SPRING_ORBIT, "--out",
+                folder.resolve("x.png").toString(), "--size", "huge");
         assertThat(size.code()).isEqualTo(2);
         assertThat(size.err()).contains("'huge' is no size");
     }
@@ -58,14 +60,17 @@ class CommandLineIT {
     void profileShowsEachPartPerBody() throws Exception {
         Outcome profile = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--profile");
         assertThat(profile.code()).isZero();
-        assertThat(profile.out()).contains("ns/body", "PHYSICS advance", "PHYSICS rollback copy", "DERIVE",
-                "PUBLISH snapshot copy", "PUBLISH readers", "rest");
+        assertThat(profile.out()).contains("ns/body", "PHYSICS advance", "PHYSICS rollback copy",
+                "DERIVE", "PUBLISH snapshot copy", "PUBLISH readers", "rest");
     }
 
     @Test
     void ledgerSaysWhatEachLawGave() throws Exception {
-        JsonNode ledger = json(Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger", "--json")).get("ledger");
-        assertThat(ledger.valueStream().map(line -> line.path("law").asString(line.path("line").asString())))
+        Outcome outcome =
+                Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger", "--json");
+        JsonNode ledger = json(outcome).get("ledger");
+        assertThat(ledger.valueStream()
+                .map(line -> line.path("law").asString(line.path("line").asString())))
                 .containsExactly("hooke_spring", "newton_motion", "total");
         JsonNode spring = ledger.get(0);
         JsonNode total = ledger.get(2);
@@ -76,15 +81,16 @@ class CommandLineIT {
                 .as("the spring does all the work").isNotZero()
                 .isCloseTo(spring.get("energy").asDouble(), withinPercentage(1e-6));
         Outcome table = Reve.run("run", SPRING_ORBIT, "--seconds", "1", "--ledger");
-        assertThat(table.out().lines().filter(line -> line.startsWith("  ")).map(line -> line.strip().split(" ")[0]))
+        assertThat(table.out().lines().filter(line -> line.startsWith("  "))
+                .map(line -> line.strip().split(" ")[0]))
                 .containsExactly("ledger", "hooke_spring", "newton_motion", "total");
     }
 
     @Test
     void snapshotWritesThePictureItNames() throws Exception {
         Path picture = folder.resolve("orbit.png");
-        Outcome outcome = Reve.run("snapshot", SPRING_ORBIT, "--at", "1", "--out", picture.toString(),
-                "--size", "320x200");
+        Outcome outcome = Reve.run("snapshot", SPRING_ORBIT, "--at", "1", "--out",
+                picture.toString(), "--size", "320x200");
         assertThat(outcome.err()).isEmpty();
         assertThat(outcome.out().strip()).isEqualTo(picture.toString());
         var image = javax.imageio.ImageIO.read(picture.toFile());
@@ -97,8 +103,9 @@ class CommandLineIT {
     @Test
     void everyPictureOfAFastServerIsTaken() throws Exception {
         Path pictures = folder.resolve("pictures");
-        Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", "0", "--fast", "--seconds", "6", "--json",
-                "--snapshots", pictures.toString(), "--snapshot-at", "0,1,2,3,4,5,5.1");
+        Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", "0", "--fast", "--seconds",
+                "6", "--json", "--snapshots", pictures.toString(),
+                "--snapshot-at", "0,1,2,3,4,5,5.1");
         assertThat(outcome.code()).isZero();
         assertThat(outcome.out()).doesNotContain("snapshot-failed");
         try (var files = Files.list(pictures)) {
@@ -165,7 +172,8 @@ class CommandLineIT {
                 line -> assertThat(line).contains(":8:").contains("`.nan`").contains("finite"),
                 line -> assertThat(line).contains(":9:").contains("`a`").contains("line 4"),
                 line -> assertThat(line).contains(":13:").contains("nobody"));
-        JsonNode json = new JsonMapper().readTree(Reve.run("check", "--json", world.toString()).out());
+        JsonNode json = new JsonMapper()
+                .readTree(Reve.run("check", "--json", world.toString()).out());
         assertThat(json.get("valid").asBoolean()).isFalse();
         assertThat(json.get("problems").size()).isEqualTo(5);
         assertThat(json.at("/problems/0/line").asInt()).isEqualTo(6);
@@ -199,7 +207,8 @@ class CommandLineIT {
         assertThat(outcome.err().lines().toList()).satisfiesExactly(
                 line -> assertThat(line).startsWith(world + ":4:5: ").contains("newton_motoin"),
                 line -> assertThat(line).startsWith(world + ":6:12: ").contains("brightness"));
-        JsonNode json = new JsonMapper().readTree(Reve.run("check", "--json", world.toString()).out());
+        JsonNode json = new JsonMapper()
+                .readTree(Reve.run("check", "--json", world.toString()).out());
         assertThat(json.get("problems").size()).isEqualTo(2);
     }
 
@@ -229,7 +238,8 @@ class CommandLineIT {
 
     @Test
     void aTakenPortIsExitCode5() throws Exception {
-        try (var taken = new java.net.ServerSocket(0, 1, java.net.InetAddress.getLoopbackAddress())) {
+        try (var taken = new java.net.ServerSocket(0, 1,
+                java.net.InetAddress.getLoopbackAddress())) {
             String port = Integer.toString(taken.getLocalPort());
             Outcome outcome = Reve.run("serve", SPRING_ORBIT, "--port", port);
             assertThat(outcome.code()).isEqualTo(5);

@@ -11,14 +11,17 @@ class ControlCommandIT {
 
     @Test
     void aRunningWorldIsPausedTakenBackSavedAndEnded(@TempDir Path folder) throws Exception {
-        try (Server server = Server.start(folder, "serve", Project.WORLDS.resolve("spring-orbit").toString(),
+        try (Server server = Server.start(folder, "serve",
+                Project.WORLDS.resolve("spring-orbit").toString(),
                 Project.WORLDS.resolve("icosahedron").toString(), "--port", "0", "--json",
                 "--saves", folder.toString())) {
             String port = server.port();
-            assertThat(Reve.run("control", "pause", "--port", port).err()).contains("no-such-world", "icosahedron");
+            assertThat(Reve.run("control", "pause", "--port", port).err())
+                    .contains("no-such-world", "icosahedron");
             assertThat(control(port, "pause").code()).isZero();
             long frame = Long.parseLong(control(port, "rewind").out().replaceAll("\\D", ""));
-            assertThat(control(port, "step", "frames=5", "--json").out()).contains("\"frame\" : " + (frame + 5));
+            assertThat(control(port, "step", "frames=5", "--json").out())
+                    .contains("\"frame\" : " + (frame + 5));
             assertThat(control(port, "save", "file=later").code()).isZero();
             assertThat(Reve.run("check", folder.resolve("later.yaml").toString()).code()).isZero();
             Reve.Outcome refused = control(port, "rewind", "image=never");
@@ -26,7 +29,8 @@ class ControlCommandIT {
             assertThat(refused.err()).contains("no-such-image", "never");
             assertThat(control(port, "rewind", "never").code()).isEqualTo(2);
             assertThat(control(port, "shut-down").code()).isZero();
-            assertThat(Reve.run("control", "shut-down", "--port", port, "--world", "icosahedron").code()).isZero();
+            assertThat(Reve.run("control", "shut-down", "--port", port, "--world", "icosahedron")
+                    .code()).isZero();
             assertThat(server.exitCode()).isZero();
         }
     }
@@ -35,7 +39,8 @@ class ControlCommandIT {
         String[] all = new String[command.length + 5];
         all[0] = "control";
         System.arraycopy(command, 0, all, 1, command.length);
-        System.arraycopy(new String[] {"--port", port, "--world", "spring-orbit"}, 0, all, command.length + 1, 4);
+        System.arraycopy(new String[] {"--port", port, "--world", "spring-orbit"}, 0, all,
+                command.length + 1, 4);
         return Reve.run(all);
     }
 }

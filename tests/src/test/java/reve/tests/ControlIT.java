@@ -76,9 +76,11 @@ class ControlIT {
             double pulled = heightAt(boss, start + 2 * RATE) - free;
             double seconds = (unloaded - loaded) / (double) RATE;
             double coasting = (start + 2 * RATE - unloaded + 1) / (double) RATE;
-            assertThat(pulled).isCloseTo(GRAVITY * seconds * (0.5 * seconds + coasting), within(0.02));
+            assertThat(pulled)
+                    .isCloseTo(GRAVITY * seconds * (0.5 * seconds + coasting), within(0.02));
         });
-        assertThat(events).extracting(Event::type).contains("law-loaded", "law-unloaded", "rewound");
+        assertThat(events).extracting(Event::type)
+                .contains("law-loaded", "law-unloaded", "rewound");
     }
 
     @Test
@@ -97,11 +99,12 @@ class ControlIT {
     void aLookAheadAtMoreThanIsToldAtOnceIsRefused() throws Exception {
         var file = new StringBuilder("reve: 1\nname: crowd\nitems:\n");
         for (int i = 0; i < 200; i++) {
-            file.append("  - {name: item").append(i).append(", semantic: {note: ").append("x".repeat(4000))
-                    .append("}}\n");
+            file.append("  - {name: item").append(i)
+                    .append(", semantic: {note: ").append("x".repeat(4000)).append("}}\n");
         }
         description = WorldFile.load(Files.writeString(folder.resolve("crowd.yaml"), file));
-        serve(boss -> assertThatExceptionOfType(AgentException.class).isThrownBy(() -> boss.foresee(1))
+        serve(boss -> assertThatExceptionOfType(AgentException.class)
+                .isThrownBy(() -> boss.foresee(1))
                 .withMessageContaining("more than is told at once").extracting(AgentException::code)
                 .isEqualTo("fork-refused"));
     }
@@ -192,7 +195,8 @@ class ControlIT {
             long before = boss.nextPerception().frame();
             assertThat(boss.foresee(10 * RATE).frame()).isGreaterThanOrEqualTo(before + 10 * RATE);
             assertThat(boss.nextPerception().frame()).isLessThan(before + 10 * RATE);
-            assertThatExceptionOfType(AgentException.class).isThrownBy(() -> boss.foresee(1_000_001));
+            assertThatExceptionOfType(AgentException.class)
+                    .isThrownBy(() -> boss.foresee(1_000_001));
         });
     }
 
@@ -200,7 +204,8 @@ class ControlIT {
     void aSavedWorldGoesOnAsThisOneAndHasNoBodiesThatWereMadeForAgents() throws Exception {
         serve(boss -> {
             try (AgentClient ada = AgentClient.connect("127.0.0.1", port, "ada")) {
-                assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3))).accepted()).isTrue();
+                assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 3))).accepted())
+                        .isTrue();
                 accepted(boss, "pause", Map.of());
                 accepted(boss, "save", Map.of("file", "later"));
                 Perception lived = after(boss, RATE);
@@ -221,7 +226,8 @@ class ControlIT {
     void nothingIsSavedOutsideTheFolder() throws Exception {
         serve(boss -> {
             for (String name : List.of("../x", "/tmp/x", "a/b", ".hidden", "x.yaml")) {
-                assertThat(boss.command("save", Map.of("file", name)).code()).contains("save-refused");
+                assertThat(boss.command("save", Map.of("file", name)).code())
+                        .contains("save-refused");
             }
         });
         assertThat(folder).isEmptyDirectory();
@@ -251,7 +257,8 @@ class ControlIT {
                         "value", new double[] {0, i, 0}));
             }
             accepted(boss, "rewind", Map.of());
-            assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 1))).accepted()).isTrue();
+            assertThat(ada.act("blue", "push", Map.of("impulse", List.of(0, 0, 1))).accepted())
+                    .isTrue();
         }
         accepted(boss, "load-law", Map.of("library", "gravity_field"));
         after(boss, 5);
@@ -263,8 +270,10 @@ class ControlIT {
 
     /** Serves the world on this thread while an operator works on another. */
     private RunReport serve(Script script) throws Exception {
-        WorldPlan plan = new WorldPlan(description, Long.MAX_VALUE, new Persistence(WORLD, recording,
-                store, Optional.of(folder), 10, SqliteStore.Durability.NORMAL), new Pictures(folder, List.of()));
+        WorldPlan plan = new WorldPlan(description, Long.MAX_VALUE,
+                new Persistence(WORLD, recording, store, Optional.of(folder), 10,
+                        SqliteStore.Durability.NORMAL),
+                new Pictures(folder, List.of()));
         try (WorldServer server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
                 AgentServerConfig.onPort(0), Optional.empty(),
                 (type, fields) -> note(new Event(type, fields)))) {
@@ -322,6 +331,7 @@ class ControlIT {
     /** Of the red ball in a later frame of a paused world [m]. */
     private static double heightAt(AgentClient boss, long frame) {
         long now = accepted(boss, "pause", Map.of());
-        return after(boss, (int) (frame - now)).find("red").orElseThrow().location().orElseThrow().y();
+        return after(boss, (int) (frame - now)).find("red").orElseThrow()
+                .location().orElseThrow().y();
     }
 }

@@ -11,9 +11,13 @@ import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.atomic.AtomicInteger;
 
-/** A way to a server of this machine that breaks: every connection after some bytes, or all of them at once. */
+/**
+ * A way to a server of this machine that breaks: every connection after some bytes, or
+ * all of them at once.
+ */
 final class Cutter implements AutoCloseable {
-    private final ServerSocket listening = new ServerSocket(0, 50, InetAddress.getLoopbackAddress());
+    private final ServerSocket listening =
+            new ServerSocket(0, 50, InetAddress.getLoopbackAddress());
     private final int server;
     private final Random random;
     private final int mostBytes;
@@ -21,7 +25,10 @@ final class Cutter implements AutoCloseable {
     private final AtomicInteger cuts = new AtomicInteger();
     private volatile boolean passing = true;
 
-    /** @param mostBytes after which a connection is cut, 0 for never; how many exactly is up to chance */
+    /**
+     * @param mostBytes after which a connection is cut, 0 for never; how many exactly
+     * is up to chance
+     */
     Cutter(int server, long seed, int mostBytes) throws IOException {
         this.server = server;
         this.random = new Random(seed);

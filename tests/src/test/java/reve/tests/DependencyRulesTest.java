@@ -17,7 +17,8 @@ class DependencyRulesTest {
     @Test
     void coreKnowsNoEngineAndNoApplication() {
         noClasses().that().resideInAPackage("reve.core..")
-                .should().dependOnClassesThat().resideInAnyPackage("reve.pe..", "reve.worlds..", "reve.agent..")
+                .should().dependOnClassesThat()
+                .resideInAnyPackage("reve.pe..", "reve.worlds..", "reve.agent..")
                 .check(CLASSES);
     }
 
@@ -25,7 +26,8 @@ class DependencyRulesTest {
     void coreCallsNoNativeCode() {
         noClasses().that().resideInAPackage("reve.core..")
                 .should().dependOnClassesThat().haveFullyQualifiedName("java.lang.foreign.Linker")
-                .orShould().dependOnClassesThat().haveFullyQualifiedName("java.lang.foreign.SymbolLookup")
+                .orShould().dependOnClassesThat()
+                .haveFullyQualifiedName("java.lang.foreign.SymbolLookup")
                 .check(CLASSES);
     }
 
@@ -33,7 +35,8 @@ class DependencyRulesTest {
     void onlyTheNativePackagesOfTheAdapterCallNativeCode() {
         noClasses().that().resideOutsideOfPackages("reve.pe.vesper..", "reve.pe.posix..")
                 .should().dependOnClassesThat().haveFullyQualifiedName("java.lang.foreign.Linker")
-                .orShould().dependOnClassesThat().haveFullyQualifiedName("java.lang.foreign.SymbolLookup")
+                .orShould().dependOnClassesThat()
+                .haveFullyQualifiedName("java.lang.foreign.SymbolLookup")
                 .check(CLASSES);
     }
 
@@ -48,14 +51,16 @@ class DependencyRulesTest {
     @Test
     void theAdapterKnowsNoApplicationAndNoParticularEngine() {
         noClasses().that().resideInAPackage("reve.pe.adapter..")
-                .should().dependOnClassesThat().resideInAnyPackage("reve.worlds..", "reve.pe.vesper..")
+                .should().dependOnClassesThat()
+                .resideInAnyPackage("reve.worlds..", "reve.pe.vesper..")
                 .check(CLASSES);
     }
 
     @Test
     void clientsKnowTheProtocolOnly() {
         noClasses().that().resideInAPackage("reve.agent..")
-                .should().dependOnClassesThat().resideInAnyPackage("reve.core..", "reve.pe..", "reve.worlds..")
+                .should().dependOnClassesThat()
+                .resideInAnyPackage("reve.core..", "reve.pe..", "reve.worlds..")
                 .check(CLASSES);
     }
 

@@ -27,7 +27,8 @@ class InterruptIT {
     void aSignalEndsTheServerCleanlyAndTellsItsAgents(String signal) throws Exception {
         try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json")) {
             JsonNode ready = server.events().await("ready", line -> true);
-            try (Socket agent = new Socket(InetAddress.getLoopbackAddress(), ready.get("agentPort").asInt())) {
+            try (Socket agent = new Socket(InetAddress.getLoopbackAddress(),
+                    ready.get("agentPort").asInt())) {
                 agent.setSoTimeout(10_000);
                 send(agent, "{\"t\":\"hello\",\"protocol\":1,\"name\":\"ada\"}\n");
                 server.events().await("joined", line -> true);
@@ -35,7 +36,8 @@ class InterruptIT {
                 JsonNode end = server.events().await("end", line -> true);
                 assertThat(end.get("frames").asLong()).isPositive();
                 assertThat(server.exitCode()).isZero();
-                assertThat(new String(agent.getInputStream().readAllBytes(), StandardCharsets.UTF_8))
+                assertThat(new String(agent.getInputStream().readAllBytes(),
+                        StandardCharsets.UTF_8))
                         .contains("{\"t\":\"bye\"").contains("closing");
             }
         }
@@ -44,22 +46,25 @@ class InterruptIT {
     @Test
     @Timeout(value = 120, threadMode = Timeout.ThreadMode.SEPARATE_THREAD)
     void aSignalEndsALongRunWithItsReport() throws Exception {
-        Process run = new ProcessBuilder(Reve.command("run", WORLD, "--seconds", "1e6", "--real-time"))
-                .start();
+        Process run = new ProcessBuilder(
+                Reve.command("run", WORLD, "--seconds", "1e6", "--real-time")).start();
         try (BufferedReader errors = run.errorReader()) {
             String line = errors.readLine();
             while (!line.startsWith("frame ")) { // the first progress line says that the loop runs
                 line = errors.readLine();
             }
         }
-        assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor()).isZero();
+        assertThat(new ProcessBuilder("kill", "-INT", Long.toString(run.pid())).start().waitFor())
+                .isZero();
         String out = new String(run.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         assertThat(run.waitFor()).isZero();
         assertThat(out).contains("spring-orbit:").contains("state hash");
     }
 
-    private static void signal(Server server, String name) throws IOException, InterruptedException {
-        assertThat(new ProcessBuilder("kill", "-" + name, Long.toString(server.process().pid())).start().waitFor())
+    private static void signal(Server server, String name)
+            throws IOException, InterruptedException {
+        assertThat(new ProcessBuilder("kill", "-" + name, Long.toString(server.process().pid()))
+                .start().waitFor())
                 .isZero();
     }
 

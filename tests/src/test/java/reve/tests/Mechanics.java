@@ -26,8 +26,8 @@ final class Mechanics {
      * @param energy of motion (in the centre-of-mass frame, unless something holds the world in
      *     place), springs, uniform gravity and gravitation
      */
-    record State(Map<String, double[]> positions, Map<String, List<Double>> immovable, double[] momentum,
-            double kineticEnergy, double energy) {
+    record State(Map<String, double[]> positions, Map<String, List<Double>> immovable,
+            double[] momentum, double kineticEnergy, double energy) {
         double[] position(String item) {
             return positions.get(item);
         }
@@ -47,13 +47,15 @@ final class Mechanics {
         }
         Item world = simulation.world().find(WorldPrototype.WORLD).orElseThrow();
         gravity = has("gravity_field") ? world.physics().vector("gravity") : new double[3];
-        boolean attracts = has("newton_gravitation") || has("opencl_gravitation") || has("opencl_nbody");
+        boolean attracts = has("newton_gravitation") || has("opencl_gravitation")
+                || has("opencl_nbody");
         gravitationalConstant = attracts ? world.physics().scalar("gravitationalConstant") : 0;
         softening = world.physics().scalar("softening");
     }
 
     private boolean has(String law) {
-        return simulation.description().laws().stream().map(LawReference::name).anyMatch(law::equals);
+        return simulation.description().laws().stream().map(LawReference::name)
+                .anyMatch(law::equals);
     }
 
     State state() {
@@ -98,8 +100,10 @@ final class Mechanics {
 
     /** Potential energy of all pairs of bodies [J], softened as Plummer does. */
     private double gravitation() {
-        double[] mass = bodies.stream().mapToDouble(body -> body.physics().scalar("mass")).toArray();
-        double[][] at = bodies.stream().map(body -> body.physical().location()).toArray(double[][]::new);
+        double[] mass = bodies.stream()
+                .mapToDouble(body -> body.physics().scalar("mass")).toArray();
+        double[][] at = bodies.stream().map(body -> body.physical().location())
+                .toArray(double[][]::new);
         double energy = 0;
         for (int i = 0; i < mass.length; i++) {
             for (int j = 0; j < i; j++) {
@@ -113,7 +117,8 @@ final class Mechanics {
 
     /** Mean X of the bodies whose symbol {@code class} is the given one [m]. */
     double meanX(String classSymbol) {
-        return bodies.stream().filter(body -> body.semantic().get("class").equals(Optional.of(classSymbol)))
+        return bodies.stream()
+                .filter(body -> body.semantic().get("class").equals(Optional.of(classSymbol)))
                 .mapToDouble(body -> body.physical().location()[0]).average().orElseThrow();
     }
 

@@ -8,7 +8,10 @@ import org.junit.jupiter.api.io.TempDir;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
-/** {@code worlds/playground}: a Python agent rolls its body against toys, which nothing but a law of contact moves. */
+/**
+ * {@code worlds/playground}: a Python agent rolls its body against toys, which nothing
+ * but a law of contact moves.
+ */
 class PlaygroundIT {
     @TempDir
     private Path folder;
@@ -17,8 +20,9 @@ class PlaygroundIT {
     void aCuriousAgentGoesToTheRedBallAndPushesItAway() throws Exception {
         var shell = new Shell(folder);
         try (Server server = shell.serve("\"$REVE/reve\" serve \"$REVE/worlds/playground\"")) {
-            String summary = shell.run("PYTHONPATH=\"$REVE/agents/python\" python3 \"$REVE/agents/python/examples/curious.py\""
-                    + " --seconds 8 --port " + server.port());
+            String summary = shell.run("PYTHONPATH=\"$REVE/agents/python\" "
+                    + "python3 \"$REVE/agents/python/examples/curious.py\" --seconds 8 --port "
+                    + server.port());
             JsonNode curious = new JsonMapper().readTree(summary);
             assertThat(curious.path("moved").path(0).asString("")).as(summary).isEqualTo("red");
             assertThat(curious.path("actsRefused").size()).as(summary).isZero();

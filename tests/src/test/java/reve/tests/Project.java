@@ -13,7 +13,8 @@ final class Project {
     private static String required(String property) {
         String value = System.getProperty(property);
         if (value == null) {
-            throw new IllegalStateException("run these tests through ./reve test, which sets -D" + property);
+            throw new IllegalStateException("run these tests through ./reve test, which sets -D"
+                    + property);
         }
         return value;
     }

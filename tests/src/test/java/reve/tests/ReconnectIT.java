@@ -65,10 +65,12 @@ class ReconnectIT {
                         parameters: {number: {doc: Which one it is.}}
                         effects: [{raise: rang, with: {number: $number}}]
                 """);
-        var plan = new WorldPlan(WorldFile.load(file), Long.MAX_VALUE, new Persistence(folder, Optional.empty(),
-                Optional.empty(), Optional.empty(), 10, SqliteStore.Durability.NORMAL), new Pictures(folder, List.of()));
-        server = new WorldServer(List.of(plan), Pacing.REAL_TIME, AgentServerConfig.onPort(0), Optional.empty(),
-                (type, fields) -> { });
+        var plan = new WorldPlan(WorldFile.load(file), Long.MAX_VALUE,
+                new Persistence(folder, Optional.empty(), Optional.empty(), Optional.empty(), 10,
+                        SqliteStore.Durability.NORMAL),
+                new Pictures(folder, List.of()));
+        server = new WorldServer(List.of(plan), Pacing.REAL_TIME, AgentServerConfig.onPort(0),
+                Optional.empty(), (type, fields) -> { });
         world = Thread.ofPlatform().start(server::run);
     }
 
@@ -94,10 +96,12 @@ class ReconnectIT {
 
     @ParameterizedTest
     @EnumSource
-    void everyActIsDoneOnceAndToldOnceWhereverItsConnectionIsCut(Encoding encoding) throws Exception {
+    void everyActIsDoneOnceAndToldOnceWhereverItsConnectionIsCut(Encoding encoding)
+            throws Exception {
         try (Cutter way = new Cutter(server.port(), seed, MOST_BYTES);
                 AgentClient eye = join(server.port(), Join.as("eye").withRole("observer"));
-                AgentClient ada = join(way.port(), Join.as("ada").withGrace(GRACE).withEncoding(encoding))) {
+                AgentClient ada =
+                        join(way.port(), Join.as("ada").withGrace(GRACE).withEncoding(encoding))) {
             ada.perceiveEvery(7);
             var told = new ArrayList<Long>();
             for (int number = 0; number < ACTS; number++) {
@@ -149,7 +153,8 @@ class ReconnectIT {
     @Test
     void whoCannotComeBackInTimeIsToldThatTheConnectionBroke() throws Exception {
         try (Cutter way = new Cutter(server.port(), seed, 0);
-                AgentClient ada = join(way.port(), Join.as("ada").withGrace(Duration.ofMillis(300)))) {
+                AgentClient ada =
+                        join(way.port(), Join.as("ada").withGrace(Duration.ofMillis(300)))) {
             way.block();
             assertThatExceptionOfType(DisconnectedException.class).isThrownBy(ada::perceive)
                     .extracting(AgentException::code).isEqualTo("lost");

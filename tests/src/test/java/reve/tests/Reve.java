@@ -12,7 +12,8 @@ final class Reve {
     private static final long PATIENCE_SECONDS = 120;
 
     /** What it says while a slow machine keeps it waiting, which is no matter of what it does. */
-    private static final Pattern PATIENCE = Pattern.compile("^reading .* \\.\\.\\.\\R", Pattern.MULTILINE);
+    private static final Pattern PATIENCE =
+            Pattern.compile("^reading .* \\.\\.\\.\\R", Pattern.MULTILINE);
 
     /** What a finished command left. @param err without what asks for patience */
     record Outcome(int code, String out, String err) {}
@@ -26,7 +27,8 @@ final class Reve {
         var err = new StringBuilder();
         Thread reader = Thread.ofVirtual().start(() -> {
             try {
-                err.append(new String(process.getErrorStream().readAllBytes(), StandardCharsets.UTF_8));
+                err.append(new String(process.getErrorStream().readAllBytes(),
+                        StandardCharsets.UTF_8));
             } catch (IOException closed) {
                 err.append(closed);
             }
@@ -34,21 +36,24 @@ final class Reve {
         String out = new String(process.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         if (!process.waitFor(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
             process.destroyForcibly();
-            throw new AssertionError(List.of(arguments) + " did not end within " + PATIENCE_SECONDS + " s");
+            throw new AssertionError(List.of(arguments) + " did not end within "
+                    + PATIENCE_SECONDS + " s");
         }
         reader.join();
         return new Outcome(process.exitValue(), out, PATIENCE.matcher(err).replaceAll(""));
     }
 
-    /** The command line for a process of one's own. It heeds SIGINT even where the tests were started so
-     * as to ignore it, as a shell does with what it starts in the background. */
+    /**
+     * The command line for a process of one's own. It heeds SIGINT even where the tests were
+     * started so as to ignore it, as a shell does with what it starts in the background.
+     */
     static List<String> command(String... arguments) {
         List<String> command = new ArrayList<>(List.of(
                 "env", "--default-signal=INT",
-                System.getProperty("java.home") + "/bin/java", "-XX:+UseSerialGC", "-XX:+RestoreMXCSROnJNICalls",
-                "--enable-native-access=ALL-UNNAMED", "-Dreve.native.path=" + Project.NATIVE,
-                "-Dreve.root=" + Project.ROOT, "-cp", Project.ROOT.resolve("build/stage/lib") + "/*",
-                "reve.worlds.Main"));
+                System.getProperty("java.home") + "/bin/java", "-XX:+UseSerialGC",
+                "-XX:+RestoreMXCSROnJNICalls", "--enable-native-access=ALL-UNNAMED",
+                "-Dreve.native.path=" + Project.NATIVE, "-Dreve.root=" + Project.ROOT,
+                "-cp", Project.ROOT.resolve("build/stage/lib") + "/*", "reve.worlds.Main"));
         command.addAll(List.of(arguments));
         return command;
     }

@@ -61,7 +61,8 @@ class SavedWorldIT {
                 for (int frame = 1; frame <= FRAMES; frame++) {
                     first.loop().step();
                     second.loop().step();
-                    assertThat(state(second)).as("%d frames after saving", frame).isEqualTo(state(first));
+                    assertThat(state(second)).as("%d frames after saving", frame)
+                            .isEqualTo(state(first));
                 }
             }
         }
@@ -77,7 +78,8 @@ class SavedWorldIT {
             try (Simulation second = load(saved)) {
                 second.loop().run(0); // derives what is not in the file
                 assertThat(state(second)).isEqualTo(state(first));
-                assertThat(WorldWriter.write(second.descriptionNow())).isEqualTo(Files.readString(saved));
+                assertThat(WorldWriter.write(second.descriptionNow()))
+                        .isEqualTo(Files.readString(saved));
             }
         }
     }
@@ -141,11 +143,13 @@ class SavedWorldIT {
                     for (int i = 1; i <= FRAMES; i++) {
                         undisturbed.loop().step();
                         second.loop().step();
-                        String what = "seed " + seed + ", saved after frame " + frame + ", " + i + " later";
+                        String what = "seed " + seed + ", saved after frame " + frame + ", "
+                                + i + " later";
                         assertThat(second.physics().stateHash()).as(what)
                                 .isEqualTo(undisturbed.physics().stateHash());
                         assertThat(state(second)).as(what).isEqualTo(state(undisturbed));
-                        assertThat(symbols(second.world())).as(what).isEqualTo(symbols(undisturbed.world()));
+                        assertThat(symbols(second.world())).as(what)
+                                .isEqualTo(symbols(undisturbed.world()));
                     }
                 }
             }
@@ -170,13 +174,13 @@ class SavedWorldIT {
                         physical: {shape: sphere, radius: 0.1, location: [%s, %s, %s]}
                         physics: {mass: %s, dragCoefficient: 0.1}
                         access: {push: {effects: [{force: [%s, 1, 0], for: %s}]}}
-                    """.formatted(i, random.nextGaussian(), random.nextGaussian(), random.nextGaussian(),
-                    random.nextInt(5) == 0 ? 0 : random.nextDouble(), random.nextGaussian(),
-                    random.nextDouble()));
+                    """.formatted(i, random.nextGaussian(), random.nextGaussian(),
+                            random.nextGaussian(), random.nextInt(5) == 0 ? 0 : random.nextDouble(),
+                            random.nextGaussian(), random.nextDouble()));
             if (i > 0) {
-                text.append("  - {name: s%d, kind: spring, physics: {end1: b%d, end2: b%d, length: 1, "
-                        .formatted(i, i, random.nextInt(i)))
-                        .append("springConstant: %s, dampingConstant: 0.1}}\n".formatted(random.nextDouble()));
+                text.append(("  - {name: s%d, kind: spring, physics: {end1: b%d, end2: b%d, "
+                        + "length: 1, springConstant: %s, dampingConstant: 0.1}}\n")
+                        .formatted(i, i, random.nextInt(i), random.nextDouble()));
             }
         }
         return text.toString();
@@ -184,12 +188,14 @@ class SavedWorldIT {
 
     /** One thing that an actor or an operator may do to a world between two frames. */
     private static void happen(World world, Random random) throws ActionRefused {
-        List<Item> bodies = world.items().stream().filter(item -> item.kind().equals("body")).toList();
+        List<Item> bodies = world.items().stream()
+                .filter(item -> item.kind().equals("body")).toList();
         Item item = bodies.get(random.nextInt(bodies.size()));
         Item other = bodies.get(random.nextInt(bodies.size()));
         switch (random.nextInt(8)) {
             case 0, 1, 2 -> push(world, item);
-            case 3 -> item.physics().set("velocity", random.nextGaussian(), random.nextGaussian(), 0);
+            case 3 -> item.physics()
+                    .set("velocity", random.nextGaussian(), random.nextGaussian(), 0);
             case 4 -> world.add(ItemDefinition.named("new " + world.lastId())
                     .at(random.nextGaussian(), 0, 0).physics("mass", 0).build());
             case 5 -> {
@@ -237,7 +243,8 @@ class SavedWorldIT {
                 Item item = world.item(table.idAt(row));
                 state.add(item.name());
                 for (Column column : table.columns()) {
-                    for (int i = 0; i < column.components() && column.type() != ScalarType.REF; i++) {
+                    for (int i = 0;
+                            i < column.components() && column.type() != ScalarType.REF; i++) {
                         state.add(Double.doubleToRawLongBits(column.getDouble(row, i)));
                     }
                 }

@@ -33,7 +33,8 @@ class SecurityIT {
 
     @Test
     void agentsComeInByTheirTokensOverTlsAndNoSecretIsWrittenDown() throws Exception {
-        assertThat(run("token.sh")).contains("ada roles=[agent]", "boss roles=[control, observer] expires=");
+        assertThat(run("token.sh"))
+                .contains("ada roles=[agent]", "boss roles=[control, observer] expires=");
         run("certificate.sh");
         List<String> secrets = new ArrayList<>(List.of(read("ada.token"), read("boss.token")));
         String serve = "REVE_LOG=DEBUG " + page.titled("serve.sh").text().strip()
@@ -59,9 +60,10 @@ class SecurityIT {
         refused(port, ada, "tls-expected");
         refused(port, ada.withTls(Trust.system()), "tls-failed");
         refused(port, ada.withTls(Trust.file(trusted)), "bad-token");
-        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("boss.token")), "not-permitted");
-        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("ada.token")).withRole("control"),
+        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("boss.token")),
                 "not-permitted");
+        refused(port, ada.withTls(Trust.file(trusted)).withToken(read("ada.token"))
+                .withRole("control"), "not-permitted");
         try (AgentClient client = AgentClient.connect("localhost", port,
                 ada.withTls(Trust.file(trusted)).withToken(read("ada.token")))) {
             String session = client.welcome().session().orElseThrow().token();
@@ -86,15 +88,18 @@ class SecurityIT {
         String world = Project.WORLDS.resolve("spring-orbit").toString();
         Outcome open = Reve.run("serve", world, "--listen", "0.0.0.0", "--port", "0");
         assertThat(open.code()).isEqualTo(5);
-        assertThat(open.err()).contains("./reve token new NAME --file tokens.json", "openssl req -x509",
+        assertThat(open.err()).contains(
+                "./reve token new NAME --file tokens.json", "openssl req -x509",
                 "--tokens tokens.json --tls-certificate server.crt --tls-key server.key");
         Outcome half = Reve.run("serve", world, "--tls-key", "server.key", "--port", "0");
         assertThat(half.code()).isEqualTo(2);
         assertThat(half.err()).contains("belong together");
-        Outcome missing = Reve.run("serve", world, "--tokens", folder.resolve("none.json").toString());
+        Outcome missing =
+                Reve.run("serve", world, "--tokens", folder.resolve("none.json").toString());
         assertThat(missing.code()).isEqualTo(1);
         assertThat(missing.err()).contains("none.json", "./reve token new");
-        Outcome unknown = Reve.run("token", "revoke", "ada", "--file", folder.resolve("none.json").toString());
+        Outcome unknown = Reve.run("token", "revoke", "ada", "--file",
+                folder.resolve("none.json").toString());
         assertThat(unknown.code()).isEqualTo(1);
         assertThat(Reve.run("token", "new", "a b").err()).contains("no name for a client");
         assertThat(Reve.run("token").err()).contains("new, list, revoke");
@@ -111,11 +116,13 @@ class SecurityIT {
 
     private String java(int port) throws Exception {
         write("Boss.java", port);
-        return shell.run(System.getProperty("java.home") + "/bin/java -cp \"$REVE/build/stage/lib/*\" Boss.java");
+        return shell.run(System.getProperty("java.home")
+                + "/bin/java -cp \"$REVE/build/stage/lib/*\" Boss.java");
     }
 
     private void write(String program, int port) throws IOException {
-        Files.writeString(folder.resolve(program), page.titled(program).text().replace("7777", "" + port));
+        Files.writeString(folder.resolve(program),
+                page.titled(program).text().replace("7777", "" + port));
     }
 
     private String read(String file) throws IOException {
@@ -125,7 +132,8 @@ class SecurityIT {
     /** What was written, but for the tokens' own files. */
     private List<Path> files() throws IOException {
         try (Stream<Path> files = Files.walk(folder)) {
-            return files.filter(Files::isRegularFile).filter(file -> !file.toString().endsWith(".token")).toList();
+            return files.filter(Files::isRegularFile)
+                    .filter(file -> !file.toString().endsWith(".token")).toList();
         }
     }
 }

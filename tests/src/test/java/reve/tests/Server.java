@@ -34,7 +34,8 @@ record Server(Process process, Events events) implements AutoCloseable {
                 if (i == seen.size()) {
                     String line = output.readLine();
                     if (line == null) {
-                        throw new AssertionError("the server ended without '" + event + "': " + seen + "\n"
+                        throw new AssertionError("the server ended without '" + event + "': "
+                                + seen + "\n"
                                 + Files.readString(errors));
                     }
                     seen.add(mapper.readTree(line));
@@ -62,7 +63,8 @@ record Server(Process process, Events events) implements AutoCloseable {
     /** @param folder keeps what the server writes to standard error */
     static Server start(Path folder, String... arguments) throws IOException {
         Path errors = folder.resolve("server.err");
-        Process process = new ProcessBuilder(Reve.command(arguments)).redirectError(errors.toFile()).start();
+        Process process = new ProcessBuilder(Reve.command(arguments))
+                .redirectError(errors.toFile()).start();
         return new Server(process, new Events(process.inputReader(), errors));
     }
 

@@ -72,11 +72,14 @@ class SeveralWorldsIT {
             awaitQuietly(released);
         });
         ServerReport report = serve(List.of(stuck, read("spring-orbit")), port -> {
-            try (AgentClient ada = join(port, "stuck"); AgentClient bob = join(port, "spring-orbit")) {
-                CompletableFuture<?> act = CompletableFuture.supplyAsync(() -> ada.act("bomb", "go", Map.of()), THREADS);
+            try (AgentClient ada = join(port, "stuck");
+                    AgentClient bob = join(port, "spring-orbit")) {
+                CompletableFuture<?> act = CompletableFuture.supplyAsync(
+                        () -> ada.act("bomb", "go", Map.of()), THREADS);
                 hanging.await();
                 assertFramesAreMade(bob);
-                assertThat(bob.act("blue", "push", Map.of("impulse", List.of(0, 0, 1))).accepted()).isTrue();
+                assertThat(bob.act("blue", "push", Map.of("impulse", List.of(0, 0, 1))).accepted())
+                        .isTrue();
                 released.countDown();
                 act.join();
             } finally {
@@ -92,8 +95,10 @@ class SeveralWorldsIT {
             throw new OutOfMemoryError("as if");
         });
         ServerReport report = serve(List.of(doomed, read("spring-orbit")), port -> {
-            try (AgentClient ada = join(port, "doomed"); AgentClient bob = join(port, "spring-orbit")) {
-                CompletableFuture<?> act = CompletableFuture.supplyAsync(() -> ada.act("bomb", "go", Map.of()), THREADS);
+            try (AgentClient ada = join(port, "doomed");
+                    AgentClient bob = join(port, "spring-orbit")) {
+                CompletableFuture<?> act = CompletableFuture.supplyAsync(
+                        () -> ada.act("bomb", "go", Map.of()), THREADS);
                 assertThat(act.handle((result, failure) -> String.valueOf(failure)).join())
                         .contains("the world \"doomed\" ends");
                 assertFramesAreMade(bob);
@@ -127,11 +132,14 @@ class SeveralWorldsIT {
         }
     }
 
-    private WorldServer server(Pacing pacing, long frames, List<WorldDescription> worlds) throws Exception {
+    private WorldServer server(Pacing pacing, long frames, List<WorldDescription> worlds)
+            throws Exception {
         List<WorldPlan> plans = worlds.stream().map(world -> new WorldPlan(world, frames,
-                new Persistence(folder, Optional.empty(), Optional.empty(), Optional.empty(), 10, SqliteStore.Durability.NORMAL),
-                new Pictures(folder, List.of()))).toList();
-        return new WorldServer(plans, pacing, AgentServerConfig.onPort(0), Optional.empty(), this::note);
+                new Persistence(folder, Optional.empty(), Optional.empty(), Optional.empty(), 10,
+                                SqliteStore.Durability.NORMAL),
+                        new Pictures(folder, List.of()))).toList();
+        return new WorldServer(plans, pacing, AgentServerConfig.onPort(0), Optional.empty(),
+                this::note);
     }
 
     private synchronized void note(String event, Map<String, Object> fields) {
@@ -163,7 +171,7 @@ class SeveralWorldsIT {
 
     private static WorldDescription worldWith(String name, Deed deed) {
         ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(1)).build();
-        ItemDefinition bomb = ItemDefinition.named("bomb").shape(Shape.sphere(1)).action(new Action() {
+        Action go = new Action() {
             @Override
             public String name() {
                 return "go";
@@ -183,10 +191,12 @@ class SeveralWorldsIT {
             public void perform(ActionCall call) {
                 deed.perform(call);
             }
-        }).build();
-        return new WorldDescription(name, "", WorldPrototype.standard("si-f64"), Timing.DEFAULT, 0, List.of(),
-                Map.of(), Optional.empty(), new AgentPolicy(List.of(), Optional.of(body)), List.of(),
-                List.of(bomb), List.of());
+        };
+        ItemDefinition bomb =
+                ItemDefinition.named("bomb").shape(Shape.sphere(1)).action(go).build();
+        return new WorldDescription(name, "", WorldPrototype.standard("si-f64"), Timing.DEFAULT,
+                0, List.of(), Map.of(), Optional.empty(),
+                new AgentPolicy(List.of(), Optional.of(body)), List.of(), List.of(bomb), List.of());
     }
 
     private static void awaitQuietly(CountDownLatch latch) {

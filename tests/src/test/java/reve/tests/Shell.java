@@ -21,8 +21,8 @@ final class Shell {
     /** Starts a script. */
     Process start(String script) throws IOException {
         errors.add(Files.createTempFile(folder, "errors", ".txt"));
-        ProcessBuilder builder = new ProcessBuilder("bash", "-euc", script).directory(folder.toFile())
-                .redirectError(errors.getLast().toFile());
+        ProcessBuilder builder = new ProcessBuilder("bash", "-euc", script)
+                .directory(folder.toFile()).redirectError(errors.getLast().toFile());
         builder.environment().put("REVE", Project.ROOT.toString());
         return builder.start();
     }

@@ -136,7 +136,8 @@ class StoreIT {
         assertThat(temporary).isEmptyDirectory();
         try (Stream<Path> left = Files.list(folder)) {
             assertThat(left.map(file -> file.getFileName().toString()))
-                    .containsOnly("temporary", "server.err", "my.db", "my.db-wal", "my.db-frames-1");
+                    .containsOnly("temporary", "server.err", "my.db", "my.db-wal",
+                            "my.db-frames-1");
         }
     }
 

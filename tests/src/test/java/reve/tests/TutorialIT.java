@@ -57,7 +57,8 @@ class TutorialIT {
 
         assertThat(added).allMatch(line -> line.matches(
                 "(laws|constants|frame): .*|    physics: .*|  - name: rope|    kind: spring"));
-        assertThat(page.titled("physics.diff").text().lines()).noneMatch(line -> line.startsWith("-"));
+        assertThat(page.titled("physics.diff").text().lines())
+                .noneMatch(line -> line.startsWith("-"));
     }
 
     /** Serves the world as it is while an agent does its work; what the agent says. */

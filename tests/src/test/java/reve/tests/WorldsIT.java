@@ -20,8 +20,10 @@ import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
 /**
- * What every sample world with a {@code world.yaml}, and each of its {@code variants}, promises in its {@code expected.json}, or under
- * {@code world} in it where there is a scene that promises something else, from the world file to the state after some seconds. In every world, what is immovable stays where it is and no law fails.
+ * What every sample world with a {@code world.yaml}, and each of its {@code variants}, promises in
+ * its {@code expected.json}, or under {@code world} in it where there is a scene that promises
+ * something else, from the world file to the state after some seconds. In every world, what is
+ * immovable stays where it is and no law fails.
  */
 class WorldsIT {
     private static final long MOST_FRAMES_TWICE = 60;
@@ -35,7 +37,8 @@ class WorldsIT {
 
         long frames(Simulation simulation) {
             return expected.has("frames") ? expected.get("frames").asLong()
-                    : expected.get("seconds").asLong() * simulation.description().timing().framesPerSecond();
+                    : expected.get("seconds").asLong()
+                            * simulation.description().timing().framesPerSecond();
         }
 
         List<JsonNode> all(String key) {
@@ -79,7 +82,8 @@ class WorldsIT {
             }
             checkEnd(sample, before, mechanics.state());
             for (Map.Entry<String, JsonNode> mean : sample.expected().path("meanX").properties()) {
-                assertWithin(mean.getValue(), mechanics.meanX(mean.getKey()), "mean x of " + mean.getKey());
+                assertWithin(mean.getValue(), mechanics.meanX(mean.getKey()),
+                        "mean x of " + mean.getKey());
             }
             assertThat(simulation.events().faults()).isEmpty();
         }
@@ -97,9 +101,11 @@ class WorldsIT {
         var expected = endOf(world).positions();
         var found = endOf(variant);
         assertThat(found.positions().keySet()).isEqualTo(expected.keySet());
-        assertThat(expected.keySet()).allSatisfy(item ->
-                assertThat(Mechanics.norm(Mechanics.subtract(found.position(item), expected.get(item))))
-                        .isLessThanOrEqualTo(variant.expected().get("variantsApartAtMost").asDouble()));
+        double most = variant.expected().get("variantsApartAtMost").asDouble();
+        assertThat(expected.keySet()).allSatisfy(item -> {
+            double[] apart = Mechanics.subtract(found.position(item), expected.get(item));
+            assertThat(Mechanics.norm(apart)).isLessThanOrEqualTo(most);
+        });
     }
 
     private static Mechanics.State endOf(Sample sample) throws Exception {
@@ -123,7 +129,8 @@ class WorldsIT {
         for (JsonNode expected : sample.all("distances")) {
             // At rest length a spring starts with the rounding of one square root.
             assertThat(Mechanics.norm(line(expected, now)))
-                    .isBetween(expected.get("from").asDouble() - 1e-12, expected.get("to").asDouble());
+                    .isBetween(expected.get("from").asDouble() - 1e-12,
+                            expected.get("to").asDouble());
         }
     }
 
@@ -140,12 +147,13 @@ class WorldsIT {
         }
         if (expected.has("farthestMoveAtLeast")) {
             assertThat(after.positions().keySet().stream().mapToDouble(item -> Mechanics.norm(
-                    Mechanics.subtract(after.position(item), before.position(item)))).max().orElseThrow())
+                    Mechanics.subtract(after.position(item), before.position(item)))).max()
+                    .orElseThrow())
                     .isGreaterThanOrEqualTo(expected.get("farthestMoveAtLeast").asDouble());
         }
         if (expected.has("kineticEnergyLeft")) {
-            assertWithin(expected.get("kineticEnergyLeft"), after.kineticEnergy() / before.kineticEnergy(),
-                    "kinetic energy left");
+            assertWithin(expected.get("kineticEnergyLeft"),
+                    after.kineticEnergy() / before.kineticEnergy(), "kinetic energy left");
         }
         if (expected.has("energyRelativeChangeAtMost")) {
             assertThat(Math.abs((after.energy() - before.energy()) / before.energy()))
@@ -168,7 +176,8 @@ class WorldsIT {
     }
 
     private static void assertWithin(JsonNode range, double value, String what) {
-        assertThat(value).as(what).isBetween(range.get("from").asDouble(), range.get("to").asDouble());
+        assertThat(value).as(what)
+                .isBetween(range.get("from").asDouble(), range.get("to").asDouble());
     }
 
     /** From the first to the second of two items. */

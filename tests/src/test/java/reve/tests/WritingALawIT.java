@@ -50,13 +50,15 @@ class WritingALawIT {
             shell.run(page.titled("drop.sh").text());
             JsonNode loaded = server.events().await("law-loaded", WritingALawIT::isTheWind);
             List<double[]> windy = speeds(watch(4));
-            assertThat(gain(windy)).as("m/s per second in the wind").isBetween(0.9 * ACCELERATION, ACCELERATION);
+            assertThat(gain(windy)).as("m/s per second in the wind")
+                    .isBetween(0.9 * ACCELERATION, ACCELERATION);
 
             shell.run(page.titled("remove.sh").text());
             JsonNode unloaded = server.events().await("law-unloaded", WritingALawIT::isTheWind);
             assertThat(unloaded.get("frame").asLong()).isGreaterThan(loaded.get("frame").asLong());
             List<double[]> calm = speeds(watch(4));
-            assertThat(Math.abs(gain(calm))).as("m/s per second after the wind").isLessThan(0.02 * ACCELERATION);
+            assertThat(Math.abs(gain(calm))).as("m/s per second after the wind")
+                    .isLessThan(0.02 * ACCELERATION);
             assertThat(calm.getLast()[1]).as("speed that is kept").isGreaterThan(ACCELERATION);
         }
     }
@@ -71,7 +73,8 @@ class WritingALawIT {
         for (String line : shell.finish(watcher).split("\n")) {
             Matcher speed = SPEED.matcher(line);
             assertThat(speed.find()).as(line).isTrue();
-            speeds.add(new double[] {Double.parseDouble(speed.group(1)), Double.parseDouble(speed.group(2))});
+            speeds.add(new double[] {
+                Double.parseDouble(speed.group(1)), Double.parseDouble(speed.group(2))});
         }
         return speeds;
     }

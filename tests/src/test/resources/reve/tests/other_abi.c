@@ -1,4 +1,5 @@
-/* A law library for a contract version that does not exist: everything after the version is junk. */
+/* A law library for a contract version that does not exist: everything after the version is
+   junk. */
 #include "vesper/law.h"
 
 static const vesper_law_library kLibrary = {

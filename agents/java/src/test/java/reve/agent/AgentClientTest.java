@@ -18,7 +18,8 @@ class AgentClientTest {
         try (var silent = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress())) {
             Join ada = Join.as("ada").withPatience(Duration.ofMillis(50));
             assertThatExceptionOfType(AgentException.class)
-                    .isThrownBy(() -> AgentClient.connect("127.0.0.1", silent.getLocalPort(), ada).close())
+                    .isThrownBy(() ->
+                            AgentClient.connect("127.0.0.1", silent.getLocalPort(), ada).close())
                     .withMessageContaining("silent for 0.05 s")
                     .extracting(AgentException::code).isEqualTo("no-answer");
         }

@@ -45,11 +45,13 @@ class ProtocolTest {
     }
 
     static Stream<JsonNode> sessionMessages() throws IOException {
-        return vectors("session.jsonl").filter(line -> line.has("server")).map(line -> line.get("server"));
+        return vectors("session.jsonl").filter(line -> line.has("server"))
+                .map(line -> line.get("server"));
     }
 
     static Stream<JsonNode> lenientServerMessages() throws IOException {
-        return vectors("lenient.jsonl").filter(vector -> vector.get("from").stringValue().equals("server"));
+        return vectors("lenient.jsonl")
+                .filter(vector -> vector.get("from").stringValue().equals("server"));
     }
 
     @ParameterizedTest
@@ -78,17 +80,22 @@ class ProtocolTest {
         } else {
             byte[] mine = Packed.write(said(vector.get("message")));
             assertThat(ByteBuffer.wrap(mine).getInt()).isEqualTo(mine.length - Packed.LENGTH_BYTES);
-            assertSame(Packed.read(Arrays.copyOfRange(mine, Packed.LENGTH_BYTES, mine.length)), vector.get("message"));
+            assertSame(Packed.read(Arrays.copyOfRange(mine, Packed.LENGTH_BYTES, mine.length)),
+                    vector.get("message"));
         }
     }
 
     @Test
     void updatesAddUp() throws IOException {
-        var messages = vectors("server.jsonl").map(message -> Protocol.read(message.toString())).toList();
-        Perception perception = messages.stream().filter(Perception.class::isInstance).map(Perception.class::cast)
-                .filter(message -> message.id().equals(OptionalLong.of(2))).findFirst().orElseThrow();
+        var messages = vectors("server.jsonl")
+                .map(message -> Protocol.read(message.toString())).toList();
+        Perception perception = messages.stream().filter(Perception.class::isInstance)
+                .map(Perception.class::cast)
+                .filter(message -> message.id().equals(OptionalLong.of(2)))
+                .findFirst().orElseThrow();
         Perception first = perception;
-        List<Update> updates = messages.stream().filter(Update.class::isInstance).map(Update.class::cast).toList();
+        List<Update> updates = messages.stream().filter(Update.class::isInstance)
+                .map(Update.class::cast).toList();
         for (Update update : updates) {
             perception = perception.updated(update);
         }
@@ -99,7 +106,8 @@ class ProtocolTest {
         assertThat(boat.actions()).containsOnlyKeys("raise");
         assertThat(perception.find("duck").orElseThrow().actions()).isEmpty();
         assertThat(perception.find("shadow")).isEmpty();
-        assertThatExceptionOfType(AgentException.class).isThrownBy(() -> first.updated(updates.getLast()));
+        assertThatExceptionOfType(AgentException.class)
+                .isThrownBy(() -> first.updated(updates.getLast()));
     }
 
     @ParameterizedTest
@@ -110,18 +118,20 @@ class ProtocolTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"", "null", "[]", "{}", "{\"t\":1}", "{\"t\":\"jump\"}", "{\"t\":\"hello\"}",
-        "{\"t\":\"result\",\"id\":1}", "{\"t\":\"event\",\"frame\":\"x\",\"type\":\"y\",\"fields\":{}}",
+    @ValueSource(strings = {"", "null", "[]", "{}", "{\"t\":1}", "{\"t\":\"jump\"}",
+        "{\"t\":\"hello\"}", "{\"t\":\"result\",\"id\":1}",
+        "{\"t\":\"event\",\"frame\":\"x\",\"type\":\"y\",\"fields\":{}}",
         "{\"t\":\"perception\",\"frame\":1,\"time\":0,\"items\":[{}]}", "{\"t\":\"bye\""})
     void whatIsNoMessageIsRefused(String line) {
         assertThatExceptionOfType(AgentException.class).isThrownBy(() -> Protocol.read(line))
-                .satisfies(e -> assertThat(e.code()).isEqualTo("protocol")).withMessageContaining(line);
+                .satisfies(e -> assertThat(e.code()).isEqualTo("protocol"))
+                .withMessageContaining(line);
     }
 
     @Test
     void argumentsThatHaveNoFormAreRefusedBeforeTheyAreSent() {
-        for (Object value : List.of(Double.NaN, List.of(1.0, Double.POSITIVE_INFINITY), List.of("x"), Map.of(),
-                new double[] {Double.NEGATIVE_INFINITY})) {
+        for (Object value : List.of(Double.NaN, List.of(1.0, Double.POSITIVE_INFINITY),
+                List.of("x"), Map.of(), new double[] {Double.NEGATIVE_INFINITY})) {
             assertThatIllegalArgumentException()
                     .isThrownBy(() -> Protocol.act(1, "duck", "push", Map.of("impulse", value)))
                     .withMessageContaining("argument impulse");
@@ -133,11 +143,15 @@ class ProtocolTest {
         long id = message.path("id").asLong(0);
         return switch (message.get("t").stringValue()) {
             case "hello" -> Protocol.hello(join(message));
-            case "perceive" -> message.has("every") ? Protocol.perceive(id, message.get("every").intValue())
-                    : message.has("relations") ? Protocol.perceiveWithRelations(id) : Protocol.perceive(id);
+            case "perceive" -> message.has("every")
+                    ? Protocol.perceive(id, message.get("every").intValue())
+                    : message.has("relations")
+                    ? Protocol.perceiveWithRelations(id)
+                    : Protocol.perceive(id);
             case "act" -> {
                 var arguments = new LinkedHashMap<String, Object>();
-                message.get("arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
+                message.get("arguments").properties()
+                        .forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
                 ObjectNode act = Protocol.act(id, message.get("item").stringValue(),
                         message.get("action").stringValue(), arguments);
                 yield message.has("ready") ? Protocol.andReady(act, frame(message)) : act;
@@ -149,7 +163,8 @@ class ProtocolTest {
             case "bye" -> Protocol.bye();
             default -> {
                 var fields = new LinkedHashMap<String, Object>();
-                message.properties().stream().filter(field -> !List.of("t", "id").contains(field.getKey()))
+                message.properties().stream()
+                        .filter(field -> !List.of("t", "id").contains(field.getKey()))
                         .forEach(field -> fields.put(field.getKey(), value(field.getValue())));
                 yield Protocol.command(id, message.get("t").stringValue(), fields);
             }
@@ -157,18 +172,21 @@ class ProtocolTest {
     }
 
     private static OptionalLong frame(JsonNode message) {
-        return message.has("frame") ? OptionalLong.of(message.get("frame").longValue()) : OptionalLong.empty();
+        return message.has("frame") ? OptionalLong.of(message.get("frame").longValue())
+                : OptionalLong.empty();
     }
 
     private static Join join(JsonNode hello) {
-        Join join = Join.as(hello.get("name").stringValue()).withRole(hello.path("role").asString("agent"))
+        Join join = Join.as(hello.get("name").stringValue())
+                .withRole(hello.path("role").asString("agent"))
                 .withGrace(Duration.ofSeconds(hello.path("graceSeconds").asInt(0)))
                 .withEncoding(hello.has("encoding") ? Encoding.MESSAGEPACK : Encoding.JSON);
         join = with(join, hello, "world", (all, world) -> all.withWorld(world.stringValue()));
         join = with(join, hello, "body", (all, body) -> all.withBody(body.stringValue()));
         join = with(join, hello, "time", (all, time) -> all.withLockStep(lockStep(time)));
         join = with(join, hello, "resume", (all, resume) -> all.withResume(
-                new Join.Resume(resume.get("session").stringValue(), resume.get("frame").longValue())));
+                new Join.Resume(resume.get("session").stringValue(),
+                        resume.get("frame").longValue())));
         return with(join, hello, "token", (all, token) -> all.withToken(token.stringValue()));
     }
 
@@ -181,14 +199,16 @@ class ProtocolTest {
 
     private static Act act(JsonNode act) {
         var arguments = new LinkedHashMap<String, Object>();
-        act.path("arguments").properties().forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
+        act.path("arguments").properties()
+                .forEach(e -> arguments.put(e.getKey(), value(e.getValue())));
         String action = act.get("action").stringValue();
         return act.has("item") ? Act.of(act.get("item").stringValue(), action, arguments)
                 : Act.ofBody(action, arguments);
     }
 
     /** Changed by a field, if the message has it. */
-    private static <T> T with(T before, JsonNode message, String field, BiFunction<T, JsonNode, T> change) {
+    private static <T> T with(T before, JsonNode message, String field,
+            BiFunction<T, JsonNode, T> change) {
         return message.has(field) ? change.apply(before, message.get(field)) : before;
     }
 
@@ -200,7 +220,8 @@ class ProtocolTest {
         }
         if (value.isObject()) {
             var values = new LinkedHashMap<String, Object>();
-            value.properties().forEach(field -> values.put(field.getKey(), value(field.getValue())));
+            value.properties()
+                    .forEach(field -> values.put(field.getKey(), value(field.getValue())));
             return values;
         }
         if (value.isBoolean()) {
@@ -215,14 +236,17 @@ class ProtocolTest {
         switch (message) {
             case Welcome w -> {
                 put(json.put("t", "welcome"), w.id());
-                put(json.put("protocol", w.protocol()).put("role", w.role()).put("agent", w.agent()), "body", w.body());
+                json.put("protocol", w.protocol()).put("role", w.role()).put("agent", w.agent());
+                put(json, "body", w.body());
                 json.put("world", w.world()).put("frame", w.frame()).put("rate", w.rate());
                 if (!w.encoding().equals("json")) {
                     json.put("encoding", w.encoding());
                 }
                 w.lockStep().ifPresent(time -> json.putObject("time").put("mode", "lock-step")
-                        .put("every", time.every()).put("deadline", time.deadline().toNanos() / 1e9));
-                w.session().ifPresent(session -> json.putObject("session").put("token", session.token())
+                        .put("every", time.every())
+                        .put("deadline", time.deadline().toNanos() / 1e9));
+                w.session().ifPresent(session -> json.putObject("session")
+                        .put("token", session.token())
                         .put("graceSeconds", session.graceSeconds()));
                 if (w.resumed()) {
                     json.put("resumed", true);
@@ -230,11 +254,13 @@ class ProtocolTest {
                 json.putObject("limits").put("lineBytes", w.limits().lineBytes())
                         .put("messagesPerSecond", w.limits().messagesPerSecond())
                         .put("actsInFlight", w.limits().actsInFlight())
-                        .put("idleSeconds", w.limits().idleSeconds()).put("graceSeconds", w.limits().graceSeconds());
+                        .put("idleSeconds", w.limits().idleSeconds())
+                        .put("graceSeconds", w.limits().graceSeconds());
             }
             case Perception p -> {
                 put(json.put("t", "perception"), p.id());
-                ArrayNode items = json.put("frame", p.frame()).put("time", p.time()).putArray("items");
+                ArrayNode items = json.put("frame", p.frame()).put("time", p.time())
+                        .putArray("items");
                 p.items().forEach(item -> items.add(written(item)));
             }
             case Update u -> {
@@ -245,11 +271,13 @@ class ProtocolTest {
                 putIfAny(json, "changed", u.changed().stream().map(ProtocolTest::written).toList());
             }
             case Image i -> {
-                json.put("t", "image").put("id", i.id()).put("frame", i.frame()).put("time", i.time());
+                json.put("t", "image").put("id", i.id()).put("frame", i.frame())
+                        .put("time", i.time());
                 json.put("sensor", i.sensor()).put("width", i.width()).put("height", i.height());
                 i.colour().ifPresent(pixels -> json.put("colour", base64(pixels)));
                 i.depth().ifPresent(pixels -> json.put("depth", base64(pixels)));
-                i.items().ifPresent(pixels -> json.put("items", base64(pixels)).set("names", JSON.valueToTree(i.names())));
+                i.items().ifPresent(pixels -> json.put("items", base64(pixels))
+                        .set("names", JSON.valueToTree(i.names())));
             }
             case ActResult r -> {
                 json.put("t", "result").put("id", r.id()).put("accepted", r.accepted());
@@ -257,22 +285,25 @@ class ProtocolTest {
                 put(json, "code", r.code());
                 put(json, "reason", r.reason());
             }
-            case WorldEvent e -> json.put("t", "event").put("frame", e.frame()).put("type", e.type())
-                    .set("fields", JSON.valueToTree(e.fields()));
+            case WorldEvent e -> json.put("t", "event").put("frame", e.frame())
+                    .put("type", e.type()).set("fields", JSON.valueToTree(e.fields()));
             case ServerMessage.Error e -> {
                 put(json.put("t", "error"), e.id());
                 put(json.put("code", e.code()).put("message", e.message()), "hint", e.hint());
             }
             case ServerMessage.Ping p -> json.put("t", "ping");
             case ServerMessage.Pong p -> put(json.put("t", "pong"), p.id());
-            case ServerMessage.Bye b -> put(json.put("t", "bye").put("code", b.code()).put("message", b.message()),
-                    "hint", b.hint());
+            case ServerMessage.Bye b -> {
+                json.put("t", "bye").put("code", b.code()).put("message", b.message());
+                put(json, "hint", b.hint());
+            }
         }
         return JSON.readTree(json.toString());
     }
 
     private static String base64(ByteBuffer bytes) {
-        return StandardCharsets.ISO_8859_1.decode(Base64.getEncoder().encode(bytes.duplicate())).toString();
+        return StandardCharsets.ISO_8859_1.decode(Base64.getEncoder().encode(bytes.duplicate()))
+                .toString();
     }
 
     private static void putIfAny(ObjectNode json, String field, List<JsonNode> values) {
@@ -284,7 +315,8 @@ class ProtocolTest {
     /** An item says what it does not say by default. */
     private static JsonNode written(Perception.Item item) {
         ObjectNode json = (ObjectNode) written(new Update.Change(item.name(), item.location(),
-                Optional.of(item.orientation()).filter(turn -> !turn.equals(Perception.Orientation.NONE)),
+                Optional.of(item.orientation())
+                        .filter(turn -> !turn.equals(Perception.Orientation.NONE)),
                 Optional.of(item.symbols()).filter(symbols -> !symbols.isEmpty()),
                 Optional.of(item.actions()).filter(actions -> !actions.isEmpty()),
                 Optional.of(item.needs()).filter(needs -> !needs.isEmpty())));
@@ -296,9 +328,11 @@ class ProtocolTest {
 
     private static JsonNode written(Update.Change change) {
         ObjectNode json = JSON.createObjectNode().put("name", change.name());
-        change.location().ifPresent(at -> json.putArray("location").add(at.x()).add(at.y()).add(at.z()));
+        change.location()
+                .ifPresent(at -> json.putArray("location").add(at.x()).add(at.y()).add(at.z()));
         change.orientation().ifPresent(turn ->
-                json.putArray("orientation").add(turn.x()).add(turn.y()).add(turn.z()).add(turn.w()));
+                json.putArray("orientation")
+                        .add(turn.x()).add(turn.y()).add(turn.z()).add(turn.w()));
         change.symbols().ifPresent(symbols -> json.set("symbols", JSON.valueToTree(symbols)));
         change.needs().ifPresent(needs -> json.set("needs", JSON.valueToTree(needs)));
         change.actions().ifPresent(all -> {
@@ -354,6 +388,7 @@ class ProtocolTest {
     private static Stream<JsonNode> vectors(String file) throws IOException {
         String root = Objects.requireNonNull(System.getProperty("reve.root"),
                 "set -Dreve.root to the folder of the project");
-        return Files.readAllLines(Path.of(root, "agents/protocol/vectors", file)).stream().map(JSON::readTree);
+        return Files.readAllLines(Path.of(root, "agents/protocol/vectors", file)).stream()
+                .map(JSON::readTree);
     }
 }

@@ -211,7 +211,8 @@ class ActionsTest {
         assertThat(item("cup").parent()).contains(item("tray"));
         assertThat(refusal("mouse", "cup", "trash", Map.of("what", "tray")).code())
                 .isEqualTo("cannot-remove");
-        assertThat(refusal("mouse", "cup", "put", Map.of("to", "world")).code()).isEqualTo("not-a-body");
+        assertThat(refusal("mouse", "cup", "put", Map.of("to", "world")).code())
+                .isEqualTo("not-a-body");
         act("mouse", "cup", "drop", Map.of());
         assertThat(item("cup").parent()).isEmpty();
 

@@ -33,7 +33,10 @@ import reve.core.Seed;
 import reve.core.world.ItemDefinition;
 import tools.jackson.databind.JsonNode;
 
-/** Many bad clients of every kind at once: each gets a reason and goes, and good agents do all that they came for. */
+/**
+ * Many bad clients of every kind at once: each gets a reason and goes, and good agents
+ * do all that they came for.
+ */
 class AgentAbuseTest {
 
     /** Of each kind; a thousand for a whole run. */
@@ -79,7 +82,8 @@ class AgentAbuseTest {
                 }
             }
         },
-        SENDS_NOISE("too-many-errors", "line-too-long", "hello-too-long", "hello-late", "lost", "tls-unsupported") {
+        SENDS_NOISE("too-many-errors", "line-too-long", "hello-too-long", "hello-late", "lost",
+                "tls-unsupported") {
             @Override
             void behave(Attacker attacker) throws IOException {
                 byte[] noise = new byte[attacker.random.nextInt(1, 20_000)];
@@ -92,16 +96,18 @@ class AgentAbuseTest {
             @Override
             void behave(Attacker attacker) throws IOException {
                 String act = "{\"t\":\"act\",\"id\":1,\"item\":\"duck\",\"action\":\"wind-up\"}";
-                attacker.say(attacker.hello("") + act.substring(0, attacker.random.nextInt(1, act.length())));
+                attacker.say(attacker.hello("")
+                        + act.substring(0, attacker.random.nextInt(1, act.length())));
             }
         },
         SAYS_ALL_THAT_IT_MAY_NOT("too-many-errors") {
             @Override
             void behave(Attacker attacker) throws IOException {
                 attacker.say(attacker.hello(""));
-                for (String type : List.of("pause", "run", "step", "shut-down", "picture", "load-law", "hello",
-                        "welcome", "act")) {
-                    attacker.say("{\"t\":\"" + type + "\",\"id\":" + -attacker.random.nextInt(5) + "}\n");
+                for (String type : List.of("pause", "run", "step", "shut-down", "picture",
+                        "load-law", "hello", "welcome", "act")) {
+                    attacker.say("{\"t\":\"" + type + "\",\"id\":"
+                            + -attacker.random.nextInt(5) + "}\n");
                 }
             }
         },
@@ -127,7 +133,8 @@ class AgentAbuseTest {
                     byte[] rubbish = new byte[attacker.random.nextInt(1, 100)];
                     attacker.random.nextBytes(rubbish);
                     rubbish[0] = (byte) 0xc1; // the one byte that MessagePack never uses
-                    attacker.send(ByteBuffer.allocate(4 + rubbish.length).putInt(rubbish.length).put(rubbish).array());
+                    attacker.send(ByteBuffer.allocate(4 + rubbish.length).putInt(rubbish.length)
+                            .put(rubbish).array());
                 }
             }
         },
@@ -152,7 +159,8 @@ class AgentAbuseTest {
         VANISHES("idle") {
             @Override
             void behave(Attacker attacker) throws IOException {
-                attacker.say(attacker.hello("")); // as if its machine had lost its power: it answers nothing
+                // as if its machine had lost its power: it answers nothing
+                attacker.say(attacker.hello(""));
             }
         },
         KNOCKS_A_HUNDRED_TIMES("lost") {
@@ -212,7 +220,10 @@ class AgentAbuseTest {
             out.write(bytes);
         }
 
-        /** @return the code with which it was sent away; empty where the connection was reset under it */
+        /**
+         * @return the code with which it was sent away; empty where the connection was
+         * reset under it
+         */
         String attack() {
             try (socket) {
                 kind.behave(this);
@@ -226,7 +237,8 @@ class AgentAbuseTest {
             byte[] heard = socket.getInputStream().readAllBytes();
             String text = new String(heard, StandardCharsets.ISO_8859_1);
             String last = text.substring(Math.max(0, text.length() - LAST));
-            return kind.codes.stream().filter(last::contains).findFirst().orElse("no bye: …" + last);
+            return kind.codes.stream().filter(last::contains).findFirst()
+                    .orElse("no bye: …" + last);
         }
     }
 
@@ -236,7 +248,8 @@ class AgentAbuseTest {
         try (AgentRoom room = new AgentRoom(config());
                 ExecutorService threads = Executors.newVirtualThreadPerTaskExecutor()) {
             for (int i = 0; i < STONES; i++) {
-                room.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
+                room.world.add(ItemDefinition.named("stone " + i)
+                        .symbol("note", "x".repeat(200)).build());
             }
             goodAgents(room, "warm");
             long heap = usedHeap();
@@ -252,7 +265,8 @@ class AgentAbuseTest {
                     attackers.add(threads.submit(() -> {
                         places.acquire();
                         try {
-                            String code = new Attacker(room.server.address(), kind, number, seed).attack();
+                            String code = new Attacker(room.server.address(), kind, number, seed)
+                                    .attack();
                             endings.add(kind + " " + code);
                         } finally {
                             places.release();
@@ -267,21 +281,25 @@ class AgentAbuseTest {
                 attacker.get();
             }
             double after = goodAgents(room, "after");
-            room.stepUntil("all are gone", () -> room.server.stats().open() == 0 && room.server.stats().agents() == 0);
+            room.stepUntil("all are gone",
+                    () -> room.server.stats().open() == 0 && room.server.stats().agents() == 0);
             room.step();
 
-            System.out.printf("median round trip of a good agent [us]: alone %.0f, attacked %.0f, afterwards %.0f%n",
-                    alone, attacked, after);
-            Map<String, Long> counts =
-                    endings.stream().collect(Collectors.groupingBy(ending -> ending, TreeMap::new, Collectors.counting()));
+            System.out.printf("median round trip of a good agent [us]: "
+                    + "alone %.0f, attacked %.0f, afterwards %.0f%n", alone, attacked, after);
+            Map<String, Long> counts = endings.stream().collect(
+                    Collectors.groupingBy(ending -> ending, TreeMap::new, Collectors.counting()));
             System.out.println(counts);
             assertThat(endings).hasSize(CLIENTS * Kind.values().length);
             assertThat(counts.keySet()).noneMatch(ending -> ending.contains("no bye"));
-            long cut = endings.stream().filter(ending -> ending.matches(".* (idle|(hello|line|too)-.*)")).count();
+            long cut = endings.stream()
+                    .filter(ending -> ending.matches(".* (idle|(hello|line|too)-.*)")).count();
             assertThat(room.server.stats().cut()).as("with those that never read")
                     .isGreaterThanOrEqualTo(cut + CLIENTS);
-            assertThat(room.world.table("body").rowCount()).as("bodies that are left").isEqualTo(STONES + 1);
-            assertThat(openFiles() - files).as("more open files").isLessThanOrEqualTo(MAX_MORE_FILES);
+            assertThat(room.world.table("body").rowCount()).as("bodies that are left")
+                    .isEqualTo(STONES + 1);
+            assertThat(openFiles() - files).as("more open files")
+                    .isLessThanOrEqualTo(MAX_MORE_FILES);
             assertThat(usedHeap() - heap).as("more memory").isLessThan(MAX_HEAP_GROWTH);
         }
     }
@@ -291,8 +309,9 @@ class AgentAbuseTest {
         AgentServerConfig c = AgentRoom.config(HELLO, SOON, IDLE, SOON);
         AgentLimits l = c.limits();
         AgentLimits all = AgentLimits.PROTOCOL;
-        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(), l.messagesPerSecond(),
-                l.actsInFlight(), all.outboxMessages(), all.outboxBytes(), l.maxErrors());
+        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
+                l.messagesPerSecond(), l.actsInFlight(), all.outboxMessages(), all.outboxBytes(),
+                l.maxErrors());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 
@@ -325,7 +344,8 @@ class AgentAbuseTest {
     private static long[] roundTrips(InetSocketAddress address, String name) throws IOException {
         long[] times = new long[ROUND_TRIPS];
         try (Socket socket = connected(address)) {
-            var in = new BufferedReader(new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+            var in = new BufferedReader(
+                    new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
             say(socket, "{'t':'hello','protocol':1,'name':'" + name + "'}");
             assertThat(next(socket, in, "welcome").get("agent").stringValue()).isEqualTo(name);
             for (int i = 0; i < ROUND_TRIPS; i++) {
@@ -352,7 +372,8 @@ class AgentAbuseTest {
     }
 
     private static void say(Socket socket, String line) throws IOException {
-        socket.getOutputStream().write((line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
+        socket.getOutputStream()
+                .write((line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
     }
 
     private static JsonNode next(Socket socket, BufferedReader in, String type) throws IOException {
@@ -376,6 +397,7 @@ class AgentAbuseTest {
     }
 
     private static long openFiles() {
-        return ((UnixOperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean()).getOpenFileDescriptorCount();
+        return ((UnixOperatingSystemMXBean) ManagementFactory.getOperatingSystemMXBean())
+                .getOpenFileDescriptorCount();
     }
 }

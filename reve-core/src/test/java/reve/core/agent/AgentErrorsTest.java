@@ -61,16 +61,19 @@ class AgentErrorsTest {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}");
             boss.expect("welcome");
             room.world.raise(new WorldEvent(room.loop.frame() + 1, "fault",
-                    Map.of("source", "a listener", "message", "/srv/worlds/secret.log: No space left")));
+                    Map.of("source", "a listener", "message",
+                            "/srv/worlds/secret.log: No space left")));
             room.step();
-            assertThat(boss.expect("event").toString()).contains("a listener").contains("/srv/worlds");
-            assertThat(ada.expect("event").toString()).contains("a listener").doesNotContain("/srv/worlds");
+            assertThat(boss.expect("event").toString()).contains("a listener")
+                    .contains("/srv/worlds");
+            assertThat(ada.expect("event").toString()).contains("a listener")
+                    .doesNotContain("/srv/worlds");
         }
     }
 
     @Test
     void whatAnActionFailedOfIsForTheLogAlone() throws IOException {
-        room.world.add(ItemDefinition.named("lift").action(new ProvidedAction("lift", "Breaks.", Terms.NONE, new ActionProvider() {
+        var lift = new ProvidedAction("lift", "Breaks.", Terms.NONE, new ActionProvider() {
             @Override
             public String name() {
                 return "test.lift";
@@ -83,13 +86,16 @@ class AgentErrorsTest {
 
             @Override
             public List<Effect> decide(ActionCall call) {
-                throw new UncheckedIOException(new IOException("/srv/worlds/lift.dat: Permission denied"));
+                throw new UncheckedIOException(
+                        new IOException("/srv/worlds/lift.dat: Permission denied"));
             }
-        })).build());
+        });
+        room.world.add(ItemDefinition.named("lift").action(lift).build());
         try (TestClient ada = room.join("ada")) {
             ada.say("{'t':'act','id':1,'item':'lift','action':'lift'}").sync();
             room.step();
-            assertThat(ada.expect("result", "action-failed").toString()).doesNotContain("/srv/worlds");
+            assertThat(ada.expect("result", "action-failed").toString())
+                    .doesNotContain("/srv/worlds");
         }
     }
 
@@ -99,7 +105,8 @@ class AgentErrorsTest {
             Connection connection = connect(wire);
             assertThat(wire.closed.await(PATIENCE_SECONDS, TimeUnit.SECONDS)).isTrue();
             assertThat(connection.hasEnded()).isTrue();
-            assertThat(wire.written.toString(StandardCharsets.UTF_8)).contains("\"code\":\"failed\"");
+            assertThat(wire.written.toString(StandardCharsets.UTF_8))
+                    .contains("\"code\":\"failed\"");
         }
     }
 
@@ -173,7 +180,8 @@ class AgentErrorsTest {
         }
 
         @Override
-        public SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable) throws IOException {
+        public SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)
+                throws IOException {
             return loop.register(pipe.source(), SelectionKey.OP_READ, handler);
         }
 

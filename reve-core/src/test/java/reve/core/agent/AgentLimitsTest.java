@@ -46,7 +46,8 @@ class AgentLimitsTest {
     @Test
     void aHelloHasToFitIntoItsLimit() throws IOException {
         try (AgentRoom room = new AgentRoom(); TestClient client = room.connect()) {
-            client.send("x".repeat(8192).getBytes(StandardCharsets.US_ASCII)).send(new byte[] {'x'});
+            client.send("x".repeat(8192).getBytes(StandardCharsets.US_ASCII))
+                    .send(new byte[] {'x'});
             client.expectBye("hello-too-long");
         }
     }
@@ -109,7 +110,8 @@ class AgentLimitsTest {
 
     /** Asks and never reads, until the server has had enough. */
     private static void floodUntilCut(AgentRoom room, TestClient greedy) {
-        byte[] pings = "{\"t\":\"ping\",\"id\":1}\n".repeat(1000).getBytes(StandardCharsets.US_ASCII);
+        byte[] pings = "{\"t\":\"ping\",\"id\":1}\n".repeat(1000)
+                .getBytes(StandardCharsets.US_ASCII);
         try {
             long enough = 200_000_000;
             for (long sent = 0; room.server.stats().cut() == 0; sent += pings.length) {
@@ -125,7 +127,8 @@ class AgentLimitsTest {
     void whoNeverReadsItsPerceptionsIsCutByTheWriteDeadline() throws IOException {
         try (AgentRoom room = new AgentRoom(AgentRoom.config(NEVER, NEVER, NEVER, SOON))) {
             for (int i = 0; i < 3000; i++) {
-                room.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
+                room.world.add(ItemDefinition.named("stone " + i)
+                        .symbol("note", "x".repeat(200)).build());
             }
             try (TestClient blind = new TestClient(room.server.address(), 4096)) {
                 blind.say(HELLO.formatted("blind")).say("{'t':'perceive','every':1}").sync();
@@ -145,7 +148,8 @@ class AgentLimitsTest {
     @ParameterizedTest
     @MethodSource("refusedLines")
     void aRefusedLineCostsOneErrorAndNothingElse(JsonNode vector) throws IOException {
-        byte[] line = vector.has("bytes") ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
+        byte[] line = vector.has("bytes")
+                ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
                 : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
         try (AgentRoom room = new AgentRoom(); TestClient ada = room.join("ada")) {
             ada.send(line).send(new byte[] {'\n'});
@@ -171,7 +175,8 @@ class AgentLimitsTest {
     void aPageInABrowserCannotSpeakToTheServer() throws IOException {
         try (AgentRoom room = new AgentRoom(); TestClient browser = room.connect()) {
             browser.say("POST / HTTP/1.1\r").say("Host: 127.0.0.1\r").say("\r")
-                    .say("{'t':'hello','protocol':1,'name':'page','role':'control'}").say("{'t':'shut-down','id':1}");
+                    .say("{'t':'hello','protocol':1,'name':'page','role':'control'}")
+                    .say("{'t':'shut-down','id':1}");
             browser.expectBye("no-http");
         }
     }
@@ -183,17 +188,19 @@ class AgentLimitsTest {
             return bytes;
         }),
         MUTANTS(random -> {
-            byte[] bytes = ("{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\"}\n{\"t\":\"act\",\"id\":1,\"item\":"
-                    + "\"duck\",\"action\":\"push\",\"arguments\":{\"impulse\":[1,2,3]}}\n").repeat(3)
-                    .getBytes(StandardCharsets.UTF_8);
+            byte[] bytes = ("{\"t\":\"hello\",\"protocol\":1,\"name\":\"eve\"}\n"
+                    + "{\"t\":\"act\",\"id\":1,\"item\":\"duck\",\"action\":\"push\","
+                    + "\"arguments\":{\"impulse\":[1,2,3]}}\n").repeat(3)
+                            .getBytes(StandardCharsets.UTF_8);
             for (int i = random.nextInt(1, 20); i > 0; i--) {
                 bytes[random.nextInt(bytes.length)] = (byte) random.nextInt(256);
             }
             return bytes;
         }),
-        NESTING(random -> ("{\"x\":".repeat(random.nextInt(1, 2000)) + "\n").getBytes(StandardCharsets.UTF_8)),
-        NUMBERS(random -> ("{\"t\":\"ping\",\"id\":" + random.nextInt(10) + "e" + random.nextInt(-99999, 99999)
-                + "}\n").getBytes(StandardCharsets.UTF_8)),
+        NESTING(random -> ("{\"x\":".repeat(random.nextInt(1, 2000)) + "\n")
+                .getBytes(StandardCharsets.UTF_8)),
+        NUMBERS(random -> ("{\"t\":\"ping\",\"id\":" + random.nextInt(10) + "e"
+                + random.nextInt(-99999, 99999) + "}\n").getBytes(StandardCharsets.UTF_8)),
         NEWLINES(random -> "\n".repeat(random.nextInt(1, 4000)).getBytes(StandardCharsets.UTF_8));
 
         private final Function<Random, byte[]> bytes;
@@ -205,7 +212,8 @@ class AgentLimitsTest {
 
     @ParameterizedTest
     @EnumSource
-    void garbageOfEveryKindIsAnsweredOrCutAndTheNextClientIsServed(Garbage kind) throws IOException {
+    void garbageOfEveryKindIsAnsweredOrCutAndTheNextClientIsServed(Garbage kind)
+            throws IOException {
         long seed = Seed.of("garbage " + kind);
         Random random = new Random(seed);
         try (AgentRoom room = new AgentRoom()) {
@@ -219,7 +227,8 @@ class AgentLimitsTest {
                     // A reset: the server was done with it before it was done sending.
                 }
             }
-            room.stepUntil("all are gone", () -> room.server.stats().open() == 0 && !room.has("eve"));
+            room.stepUntil("all are gone",
+                    () -> room.server.stats().open() == 0 && !room.has("eve"));
             room.join("ada").close();
         }
     }
@@ -228,7 +237,8 @@ class AgentLimitsTest {
     private static void drain(TestClient client, AgentRoom room) throws IOException {
         JsonNode message = client.next();
         while (!message.get("t").stringValue().equals("bye")) {
-            assertThat(message.get("t").stringValue()).isIn("error", "welcome", "event", "result", "pong");
+            assertThat(message.get("t").stringValue())
+                    .isIn("error", "welcome", "event", "result", "pong");
             room.step();
             message = client.next();
         }
@@ -251,7 +261,8 @@ class AgentLimitsTest {
                     agent.expect("event");
                 }
                 agent.say("{'t':'perceive','id':1}")
-                        .say("{'t':'act','id':2,'item':'duck','action':'push','arguments':{'impulse':[2,0,0]}}").sync();
+                        .say("{'t':'act','id':2,'item':'duck','action':'push',"
+                                + "'arguments':{'impulse':[2,0,0]}}").sync();
             }
             room.step();
             for (TestClient agent : agents) {
@@ -321,8 +332,10 @@ class AgentLimitsTest {
             }
             socket.bind(new InetSocketAddress("127.0.0.2", 0));
             socket.connect(room.server.address());
-            new TestClient(socket).say("{'t':'hello','protocol':1,'name':'bob','role':'observer'}").expect("welcome");
-            silent.getFirst().say("{'t':'hello','protocol':1,'name':'ada','role':'observer'}").expect("welcome");
+            new TestClient(socket).say("{'t':'hello','protocol':1,'name':'bob','role':'observer'}")
+                    .expect("welcome");
+            silent.getFirst().say("{'t':'hello','protocol':1,'name':'ada','role':'observer'}")
+                    .expect("welcome");
             room.join("eve").close();
         } finally {
             for (TestClient client : silent) {
@@ -336,7 +349,8 @@ class AgentLimitsTest {
         try (AgentRoom room = new AgentRoom(with(AgentRoom.CONFIG, 5))) {
             for (int i = 0; i < 5; i++) {
                 try (TestClient client = room.connect()) {
-                    client.say("{'t':'hello','protocol':1,'name':'agent" + i + "','graceSeconds':60}");
+                    client.say("{'t':'hello','protocol':1,'name':'agent" + i
+                            + "','graceSeconds':60}");
                     room.stepUntil("it is welcome", client::hasNews);
                     client.expect("welcome");
                 }
@@ -350,8 +364,9 @@ class AgentLimitsTest {
 
     private static AgentServerConfig with(AgentServerConfig c, int maxConnections) {
         AgentLimits l = c.limits();
-        var limits = new AgentLimits(maxConnections, l.helloBytes(), l.lineBytes(), l.messagesPerSecond(),
-                l.actsInFlight(), l.outboxMessages(), l.outboxBytes(), l.maxErrors());
+        var limits = new AgentLimits(maxConnections, l.helloBytes(), l.lineBytes(),
+                l.messagesPerSecond(), l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
+                l.maxErrors());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 }

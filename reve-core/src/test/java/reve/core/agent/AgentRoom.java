@@ -28,12 +28,16 @@ import reve.core.world.TestAction;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
-/** The world of the protocol's example session, stepped by hand, with a real server on an ephemeral port. */
+/**
+ * The world of the protocol's example session, stepped by hand, with a real server on
+ * an ephemeral port.
+ */
 final class AgentRoom implements AutoCloseable {
 
     static final AgentServerConfig CONFIG = AgentServerConfig.onPort(0);
 
-    private static final Parameter IMPULSE = Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
+    private static final Parameter IMPULSE =
+            Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
 
     final World world = new World("pond", WorldPrototype.standard("si-f64"), new OffHeapArena());
     final FrameBus bus = new FrameBus();
@@ -51,12 +55,13 @@ final class AgentRoom implements AutoCloseable {
         this(config, making(), 4096);
     }
 
-    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity) throws IOException {
+    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity)
+            throws IOException {
         this(config, policy, commandCapacity, List.of(duck()));
     }
 
-    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity, List<ItemDefinition> items)
-            throws IOException {
+    AgentRoom(AgentServerConfig config, AgentPolicy policy, int commandCapacity,
+            List<ItemDefinition> items) throws IOException {
         items.forEach(world::add);
         commands = new CommandQueue(commandCapacity);
         commands.subscribeTo(bus);
@@ -65,9 +70,10 @@ final class AgentRoom implements AutoCloseable {
         bus.subscribe(FramePhase.PUBLISH, "snapshots",
                 event -> snapshots.publish(event.frame(), event.timeSeconds()));
         loop = new FrameLoop(world, bus, new Timing(60, 1), Pacing.FAST);
-        server = AgentServer.start(config, List.of(new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
+        var port = new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
                 new RoomControl(world, loop),
-                (body, camera, answer) -> cameras.take(body, camera, answer))));
+                (body, camera, answer) -> cameras.take(body, camera, answer));
+        server = AgentServer.start(config, List.of(port));
     }
 
     static AgentPolicy lending(String... bodies) {
@@ -75,13 +81,14 @@ final class AgentRoom implements AutoCloseable {
     }
 
     static AgentPolicy making() {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5)).at(0, 0.5, 0).build();
+        ItemDefinition body = ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5))
+                .at(0, 0.5, 0).build();
         return new AgentPolicy(List.of(), Optional.of(body));
     }
 
     static ItemDefinition duck() {
-        return ItemDefinition.named("duck").shape(Shape.sphere(0.25)).at(1, 0, -2.5).symbol("class", "toy")
-                .physics("mass", 2).physics("velocity", 0, 0, 0)
+        return ItemDefinition.named("duck").shape(Shape.sphere(0.25)).at(1, 0, -2.5)
+                .symbol("class", "toy").physics("mass", 2).physics("velocity", 0, 0, 0)
                 .action(new DeclaredAction("push", "Gives it a kick.", List.of(IMPULSE),
                         List.of(new Effect.Impulse(new Operand.Argument(IMPULSE)))))
                 .action(new DeclaredAction("wind-up", "Winds its spring.", List.of(),
@@ -94,7 +101,8 @@ final class AgentRoom implements AutoCloseable {
         var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8);
         var timeouts = new AgentTimeouts(hello, line, idle, Duration.ofSeconds(10), write,
                 Duration.ofMinutes(5), Duration.ofSeconds(10), Duration.ofMillis(500));
-        return new AgentServerConfig(CONFIG.address(), limits, timeouts, Optional.empty(), AgentSecurity.NONE);
+        return new AgentServerConfig(CONFIG.address(), limits, timeouts, Optional.empty(),
+                AgentSecurity.NONE);
     }
 
     /** One frame. */
@@ -132,7 +140,8 @@ final class AgentRoom implements AutoCloseable {
 
     /** An agent that has been welcomed; takes one frame. */
     TestClient join(String name) throws IOException {
-        TestClient client = connect().say("{'t':'hello','protocol':1,'name':'" + name + "'}").sync();
+        TestClient client = connect()
+                .say("{'t':'hello','protocol':1,'name':'" + name + "'}").sync();
         step();
         client.expect("welcome");
         client.expect("event");

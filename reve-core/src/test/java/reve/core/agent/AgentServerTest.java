@@ -64,25 +64,34 @@ class AgentServerTest {
 
     @Test
     void theSessionOnTheProtocolsPageIsTheVector() {
-        List<String> onPage = Vectors.text("PROTOCOL.md").lines().dropWhile(line -> !line.startsWith("$ nc ")).skip(1)
-                .takeWhile(line -> !line.equals("```")).map(line -> TestClient.json(line).toString()).toList();
-        List<String> vector = Vectors.lines("session.jsonl").stream().filter(line -> !line.has("frame"))
+        List<String> onPage = Vectors.text("PROTOCOL.md").lines()
+                .dropWhile(line -> !line.startsWith("$ nc ")).skip(1)
+                .takeWhile(line -> !line.equals("```"))
+                .map(line -> TestClient.json(line).toString()).toList();
+        List<String> vector = Vectors.lines("session.jsonl").stream()
+                .filter(line -> !line.has("frame"))
                 .map(line -> line.iterator().next().toString()).toList();
         assertThat(onPage).isEqualTo(vector);
     }
 
     @Test
     void everyCodeThatTheServerUsesIsOnTheProtocolsPage() throws IOException {
-        var givesCode = Pattern.compile("(?:Ending\\.\\w+|BadMessage|Refused|refuse)\\([^\"]*\"([a-z0-9-]+)\"");
+        var givesCode = Pattern.compile(
+                "(?:Ending\\.\\w+|BadMessage|Refused|refuse)\\([^\"]*\"([a-z0-9-]+)\"");
         Set<String> codes = new TreeSet<>();
-        Path sources = Path.of(System.getProperty("reve.root"), "reve-core/src/main/java/reve/core/agent");
+        Path sources =
+                Path.of(System.getProperty("reve.root"), "reve-core/src/main/java/reve/core/agent");
         try (Stream<Path> files = Files.list(sources)) {
             for (Path file : files.toList()) {
-                givesCode.matcher(Files.readString(file)).results().forEach(code -> codes.add(code.group(1)));
+                givesCode.matcher(Files.readString(file)).results()
+                        .forEach(code -> codes.add(code.group(1)));
             }
         }
-        assertThat(codes).hasSizeGreaterThan(30).contains("bad-json", "hello-late", "world-busy", "no-such-item");
-        assertThat(codes).allSatisfy(code -> assertThat(Vectors.text("PROTOCOL.md")).contains("`" + code + "`"));
+        assertThat(codes).hasSizeGreaterThan(30)
+                .contains("bad-json", "hello-late", "world-busy", "no-such-item");
+        assertThat(codes)
+                .allSatisfy(code ->
+                        assertThat(Vectors.text("PROTOCOL.md")).contains("`" + code + "`"));
     }
 
     // ---- perceiving ----
@@ -114,7 +123,8 @@ class AgentServerTest {
     @Test
     void aPerceptionShowsWhatPhysicsAndActionsChanged() throws IOException {
         try (TestClient ada = room.join("ada")) {
-            ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").say("{'t':'perceive','id':2}").sync();
+            ada.say("{'t':'act','id':1,'item':'duck','action':'wind-up'}")
+                    .say("{'t':'perceive','id':2}").sync();
             room.item("duck").physical().setLocation(0.1, -7, 1e-300);
             room.step();
             ada.expect("result");
@@ -126,7 +136,8 @@ class AgentServerTest {
     }
 
     @Test
-    void whatHasNoPlaceIsPerceivedWithoutLocationAndTheWorldsConstantsNotAtAll() throws IOException {
+    void whatHasNoPlaceIsPerceivedWithoutLocationAndTheWorldsConstantsNotAtAll()
+            throws IOException {
         room.world.add(ItemDefinition.named("fish").at(0, 0, 0).physics("mass", 1).build());
         room.world.add(ItemDefinition.named("rope").kind("spring").reference("end1", "duck")
                 .reference("end2", "fish").build());
@@ -155,10 +166,12 @@ class AgentServerTest {
     @Test
     void whoReadsLateGetsTheNewestPerceptionNotAllOfThem() throws IOException {
         for (int i = 0; i < 2000; i++) {
-            room.world.add(ItemDefinition.named("stone " + i).at(i, 0, 0).symbol("note", "x".repeat(100)).build());
+            room.world.add(ItemDefinition.named("stone " + i).at(i, 0, 0)
+                    .symbol("note", "x".repeat(100)).build());
         }
         try (TestClient slow = new TestClient(room.server.address(), 4096)) {
-            slow.say("{'t':'hello','protocol':1,'name':'slow'}").say("{'t':'perceive','every':1}").sync();
+            slow.say("{'t':'hello','protocol':1,'name':'slow'}")
+                    .say("{'t':'perceive','every':1}").sync();
             int frames = 200;
             for (int i = 0; i < frames; i++) {
                 room.step();
@@ -182,10 +195,12 @@ class AgentServerTest {
     @Test
     void anActIsDoneInTheNextFrameAndItsResultNamesIt() throws IOException {
         try (TestClient ada = room.join("ada")) {
-            ada.say("{'t':'act','id':9,'item':'duck','action':'push','arguments':{'impulse':[3,0,-1]}}").sync();
+            ada.say("{'t':'act','id':9,'item':'duck','action':'push',"
+                    + "'arguments':{'impulse':[3,0,-1]}}").sync();
             assertThat(room.item("duck").physics().vector("velocity")).containsExactly(0, 0, 0);
             room.step();
-            assertThat(room.item("duck").physics().vector("velocity")).containsExactly(1.5, 0, -0.5);
+            assertThat(room.item("duck").physics().vector("velocity"))
+                    .containsExactly(1.5, 0, -0.5);
             assertThat(ada.expect("result")).isEqualTo(TestClient.json(
                     "{'t':'result','id':9,'accepted':true,'frame':2}"));
             assertThat(room.server.stats().actsAccepted()).isEqualTo(1);
@@ -203,11 +218,11 @@ class AgentServerTest {
         "duck | push | {'impulse':[1,2,3],'how':true} | unknown-argument | how",
         "duck | wind-up | {'turns':3} | unknown-argument | it takes no arguments",
     })
-    void anActThatDoesNotFitIsRefusedWithAReason(String item, String action, String arguments, String code,
-            String reason) throws IOException {
+    void anActThatDoesNotFitIsRefusedWithAReason(String item, String action, String arguments,
+            String code, String reason) throws IOException {
         try (TestClient ada = room.join("ada")) {
-            ada.say("{'t':'act','id':1,'item':'" + item + "','action':'" + action + "','arguments':" + arguments
-                    + "}").sync();
+            ada.say("{'t':'act','id':1,'item':'" + item + "','action':'" + action
+                    + "','arguments':" + arguments + "}").sync();
             room.step();
             JsonNode result = ada.expect("result", code);
             assertThat(result.get("accepted").booleanValue()).isFalse();
@@ -255,7 +270,8 @@ class AgentServerTest {
                 ada.say("{'t':'act','id':" + i + ",'item':'duck','action':'wind-up'}");
             }
             ada.sync();
-            assertThat(ada.expect("result", "too-many-acts").get("id").intValue()).isEqualTo(allowed);
+            assertThat(ada.expect("result", "too-many-acts").get("id").intValue())
+                    .isEqualTo(allowed);
             room.step();
             for (int i = 0; i < allowed; i++) {
                 JsonNode result = ada.expect("result");
@@ -289,12 +305,14 @@ class AgentServerTest {
     @Test
     void everybodyHearsWhatHappensFromTheirWelcomeOn() throws IOException {
         try (TestClient ada = room.join("ada"); TestClient bob = room.join("bob")) {
-            assertThat(ada.expect("event")).isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'joined',"
-                    + "'fields':{'agent':'bob','body':'bob'}}"));
+            assertThat(ada.expect("event"))
+                    .isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'joined',"
+                            + "'fields':{'agent':'bob','body':'bob'}}"));
             bob.say("{'t':'bye'}").expectBye("goodbye");
             room.step();
-            assertThat(ada.expect("event")).isEqualTo(TestClient.json("{'t':'event','frame':3,'type':'left',"
-                    + "'fields':{'agent':'bob','body':'bob','reason':'goodbye'}}"));
+            assertThat(ada.expect("event"))
+                    .isEqualTo(TestClient.json("{'t':'event','frame':3,'type':'left',"
+                            + "'fields':{'agent':'bob','body':'bob','reason':'goodbye'}}"));
         }
     }
 
@@ -304,7 +322,8 @@ class AgentServerTest {
     void aMadeBodyComesToTheFirstPlaceThatNoAgentHas() throws IOException {
         var policy = new AgentPolicy(List.of(), AgentRoom.making().template(),
                 List.of(new AgentPolicy.Place(0, 0.5, 0), new AgentPolicy.Place(3, 0.5, 1)));
-        try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG, policy, 64); TestClient ada = hall.join("ada");
+        try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG, policy, 64);
+                TestClient ada = hall.join("ada");
                 TestClient bob = hall.join("bob"); TestClient eve = hall.connect()) {
             assertThat(hall.item("ada").physical().location()).containsExactly(0, 0.5, 0);
             assertThat(hall.item("bob").physical().location()).containsExactly(3, 0.5, 1);
@@ -363,7 +382,8 @@ class AgentServerTest {
             lending.world.remove(lending.item("duck").id());
             ada.say("{'t':'hello','protocol':1,'name':'ada','body':'duck'}").sync();
             lending.step();
-            assertThat(ada.expectBye("no-such-body").get("message").stringValue()).contains("no longer");
+            assertThat(ada.expectBye("no-such-body").get("message").stringValue())
+                    .contains("no longer");
         }
     }
 
@@ -374,7 +394,8 @@ class AgentServerTest {
             ada.say("{'t':'hello','protocol':1,'name':'ada'}")
                     .say("{'t':'act','id':1,'item':'duck','action':'wind-up'}").sync();
             closed.step();
-            assertThat(ada.expectBye("no-bodies").get("hint").stringValue()).contains("agents:", "world file");
+            assertThat(ada.expectBye("no-bodies").get("hint").stringValue())
+                    .contains("agents:", "world file");
             assertThat(closed.item("duck").semantic().get("wound")).isEqualTo(Optional.empty());
         }
     }
@@ -398,7 +419,8 @@ class AgentServerTest {
         try (TestClient duck = room.connect()) {
             duck.say("{'t':'hello','protocol':1,'name':'duck'}").sync();
             room.step();
-            assertThat(duck.expectBye("name-taken").get("hint").stringValue()).contains("another name");
+            assertThat(duck.expectBye("name-taken").get("hint").stringValue())
+                    .contains("another name");
         }
     }
 
@@ -425,7 +447,8 @@ class AgentServerTest {
         "'protocol':1,'name':'ä' | bad-name",
         "'protocol':1,'name':'ada\\u202e' | bad-name",
     })
-    void aHelloThatCannotBeGrantedEndsTheConnectionWithAHint(String fields, String code) throws IOException {
+    void aHelloThatCannotBeGrantedEndsTheConnectionWithAHint(String fields, String code)
+            throws IOException {
         try (TestClient client = room.connect()) {
             JsonNode bye = client.say("{'t':'hello'," + fields + "}").expectBye(code);
             assertThat(bye.get("message").stringValue()).isNotBlank();
@@ -436,7 +459,8 @@ class AgentServerTest {
     @Test
     void foreignTextComesBackWithoutWhatCouldForgeOrHideALine() throws IOException {
         try (TestClient client = room.connect()) {
-            client.say("{'t':'hello','protocol':1,'name':'ada','body':'x\\n\\u0000\\u202e'}").sync();
+            client.say("{'t':'hello','protocol':1,'name':'ada','body':'x\\n\\u0000\\u202e'}")
+                    .sync();
             room.step();
             assertThat(client.expectBye("no-such-body").get("message").stringValue())
                     .endsWith("no item \"x\\u{a}\\u{0}\\u{202e}\"");
@@ -464,13 +488,15 @@ class AgentServerTest {
         var threads = (com.sun.management.ThreadMXBean) ManagementFactory.getThreadMXBean();
         List<TestClient> agents = new ArrayList<>();
         for (int i = 0; i < 20; i++) {
-            agents.add(room.connect().say("{'t':'hello','protocol':1,'name':'agent%d'}".formatted(i))
+            agents.add(room.connect()
+                    .say("{'t':'hello','protocol':1,'name':'agent%d'}".formatted(i))
                     .say("{'t':'perceive','every':1}").sync());
         }
         for (int i = 0; i < 2000; i++) {
             room.step();
         }
-        long least = Long.MAX_VALUE; // a slot for a reader that a busy machine makes late is no frame's own
+        // a slot for a reader that a busy machine makes late is no frame's own
+        long least = Long.MAX_VALUE;
         for (int batch = 0; batch < 4; batch++) {
             long before = threads.getCurrentThreadAllocatedBytes();
             for (int i = 0; i < 250; i++) {
@@ -479,7 +505,8 @@ class AgentServerTest {
             least = Math.min(least, threads.getCurrentThreadAllocatedBytes() - before);
         }
         assertThat(least).as("bytes of 250 frames").isZero();
-        // Frames in a burst may leave the encoder no time on a busy machine; the agents do perceive.
+        // Frames in a burst may leave the encoder no time on a busy machine; the agents do
+        // perceive.
         room.stepUntil("perceptions", () -> room.server.stats().perceptions() > 20);
         for (TestClient agent : agents) {
             agent.close();

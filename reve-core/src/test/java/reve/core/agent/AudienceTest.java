@@ -26,7 +26,9 @@ import reve.core.world.Shape;
 import reve.core.world.WorldEvent;
 import tools.jackson.databind.JsonNode;
 
-/** Of an event hears who perceives an item that it is about, or was shown it last, and nobody else. */
+/**
+ * Of an event hears who perceives an item that it is about, or was shown it last, and nobody else.
+ */
 class AudienceTest {
 
     private static final int AGENTS = 12;
@@ -48,11 +50,13 @@ class AudienceTest {
             items.add(body("agent-" + i, i));
         }
         for (int i = 0; i < BELLS; i++) {
-            items.add(place(ItemDefinition.named("bell-" + i)).shape(Shape.sphere(random.nextDouble(0.1, 1))).build());
+            items.add(place(ItemDefinition.named("bell-" + i))
+                    .shape(Shape.sphere(random.nextDouble(0.1, 1))).build());
         }
         room = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(names, Optional.empty()), 64, items);
         for (String name : names) {
-            clients.add(room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "','body':'" + name + "'}")
+            clients.add(room.connect()
+                    .say("{'t':'hello','protocol':1,'name':'" + name + "','body':'" + name + "'}")
                     .say("{'t':'perceive','every':1}").sync());
             shown.add(new HashSet<>());
         }
@@ -67,16 +71,21 @@ class AudienceTest {
         room.close();
     }
 
-    /** The first one has no sensors and the second one a camera only; the others sense something. */
+    /**
+     * The first one has no sensors and the second one a camera only; the others sense something.
+     */
     private ItemDefinition body(String name, int i) {
-        ItemDefinition.Builder body = place(ItemDefinition.named(name)).shape(Shape.box(0.5, 1, 0.5))
-                .orientation(random.nextGaussian(), random.nextGaussian(), random.nextGaussian(), 1);
+        ItemDefinition.Builder body = place(ItemDefinition.named(name))
+                .shape(Shape.box(0.5, 1, 0.5))
+                .orientation(random.nextGaussian(), random.nextGaussian(),
+                        random.nextGaussian(), 1);
         return switch (i) {
             case 0 -> body.build();
             case 1 -> body.sensor(Sensor.camera("eye", 1,
                     new Sensor.Camera(1, 1, Set.of(Sensor.Layer.DEPTH)))).build();
             case 2 -> body.sensor(Sensor.sight("all", Double.POSITIVE_INFINITY)).build();
-            case 3 -> body.sensor(Sensor.sight("far", Double.POSITIVE_INFINITY).withLineOfSight()).build();
+            case 3 -> body.sensor(Sensor.sight("far", Double.POSITIVE_INFINITY).withLineOfSight())
+                    .build();
             case 4 -> body.sensor(Sensor.touch("skin")).sensor(sight("eyes")).build();
             default -> body.sensor(sight("eyes")).build();
         };
@@ -89,7 +98,8 @@ class AudienceTest {
     }
 
     private ItemDefinition.Builder place(ItemDefinition.Builder item) {
-        return item.at(random.nextDouble(-6, 6), random.nextDouble(-6, 6), random.nextDouble(-6, 6));
+        return item.at(random.nextDouble(-6, 6), random.nextDouble(-6, 6),
+                random.nextDouble(-6, 6));
     }
 
     /** Some things move, one goes, and something is said of each item. */
@@ -117,7 +127,8 @@ class AudienceTest {
             for (int agent = 0; agent < AGENTS; agent++) {
                 var rang = new TreeSet<String>();
                 JsonNode message = clients.get(agent).next();
-                for (; !message.get("t").stringValue().equals("perception"); message = clients.get(agent).next()) {
+                for (; !message.get("t").stringValue().equals("perception");
+                        message = clients.get(agent).next()) {
                     if (message.path("type").asString("").equals("rang")) {
                         rang.add(message.at("/fields/item").stringValue());
                     }
@@ -128,7 +139,8 @@ class AudienceTest {
                 if (agent == 0) {
                     assertThat(rang).as("seed %d frame %d", seed, frame).containsAll(expected);
                 } else {
-                    assertThat(rang).as("seed %d frame %d agent %d", seed, frame, agent).isEqualTo(expected);
+                    assertThat(rang).as("seed %d frame %d agent %d", seed, frame, agent)
+                            .isEqualTo(expected);
                 }
                 heard.merge("agent-" + agent, rang.size(), Integer::sum);
             }
@@ -137,7 +149,8 @@ class AudienceTest {
         assertThat(heard.get("agent-1")).as("one that senses only itself").isEqualTo(FRAMES);
         assertThat(most.remove("agent-0")).isGreaterThan(FRAMES * BELLS / 2);
         assertThat(most.remove("agent-2")).isGreaterThan(FRAMES * BELLS / 2);
-        assertThat(most.values()).anySatisfy(count -> assertThat(count).isBetween(2 * FRAMES, FRAMES * BELLS));
+        assertThat(most.values())
+                .anySatisfy(count -> assertThat(count).isBetween(2 * FRAMES, FRAMES * BELLS));
     }
 
     private static void update(Set<String> known, JsonNode perception) {

@@ -19,9 +19,12 @@ class AuditLogTest {
     void aPlaceThatCannotBeWrittenToIsRefusedByNameAndReason() {
         Path nowhere = folder.resolve("none/audit.jsonl");
 
-        assertThatThrownBy(() -> new AuditLog(nowhere, Clock.systemUTC())).isInstanceOf(IOException.class)
-                .hasMessageContainingAll(nowhere.toString(), "there is no folder " + nowhere.getParent());
-        assertThatThrownBy(() -> new AuditLog(folder, Clock.systemUTC())).isInstanceOf(IOException.class)
+        assertThatThrownBy(() -> new AuditLog(nowhere, Clock.systemUTC()))
+                .isInstanceOf(IOException.class)
+                .hasMessageContainingAll(nowhere.toString(),
+                        "there is no folder " + nowhere.getParent());
+        assertThatThrownBy(() -> new AuditLog(folder, Clock.systemUTC()))
+                .isInstanceOf(IOException.class)
                 .hasMessageContainingAll(folder.toString(), "Is a directory");
     }
 

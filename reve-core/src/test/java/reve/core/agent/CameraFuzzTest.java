@@ -24,7 +24,10 @@ import reve.core.world.Sensor;
 import reve.core.world.Shape;
 import tools.jackson.databind.JsonNode;
 
-/** Agents look, break off, come back, leave and are rewound at random while pictures are slow or fail. */
+/**
+ * Agents look, break off, come back, leave and are rewound at random while pictures are
+ * slow or fail.
+ */
 class CameraFuzzTest {
 
     private static final int OPERATIONS = Integer.getInteger("reve.fuzz.operations", 2_000);
@@ -32,7 +35,8 @@ class CameraFuzzTest {
     private static final int EVERY = 3;
     private static final Sensor EYE = Sensor.camera("eye", 1,
             new Sensor.Camera(1, 1, EnumSet.of(Sensor.Layer.COLOUR))).withEvery(EVERY);
-    private static final Set<String> REFUSALS = Set.of("no-picture", "look-pending", "not-yet", "no-such-camera");
+    private static final Set<String> REFUSALS =
+            Set.of("no-picture", "look-pending", "not-yet", "no-such-camera");
 
     private final long seed = Seed.of("the cameras");
     private final Random random = new Random(seed);
@@ -57,7 +61,8 @@ class CameraFuzzTest {
         private long lastFrame = -EVERY;
 
         Looker() throws IOException {
-            client = room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "','graceSeconds':60}");
+            client = room.connect()
+                    .say("{'t':'hello','protocol':1,'name':'" + name + "','graceSeconds':60}");
             room.stepUntil("the looker is in the world", () -> room.has(name));
             session = client.expect("welcome").at("/session/token").stringValue();
             embody();
@@ -99,7 +104,8 @@ class CameraFuzzTest {
             if (type.equals("event")) {
                 return;
             }
-            assertThat(open.remove(message.get("id").intValue())).as("nobody asked for %s", message).isTrue();
+            assertThat(open.remove(message.get("id").intValue()))
+                    .as("nobody asked for %s", message).isTrue();
             if (type.equals("error")) {
                 errors++;
                 assertThat(message.get("code").stringValue()).isIn(REFUSALS);
@@ -108,7 +114,8 @@ class CameraFuzzTest {
             }
             count(type);
             byte[] pixel = Base64.getDecoder().decode(message.get("colour").stringValue());
-            assertThat(bodies).contains((long) ByteBuffer.wrap(new byte[] {0, pixel[0], pixel[1], pixel[2]}).getInt());
+            var body = ByteBuffer.wrap(new byte[] {0, pixel[0], pixel[1], pixel[2]});
+            assertThat(bodies).contains((long) body.getInt());
             long frame = message.get("frame").longValue();
             assertThat(frame == lastFrame || frame >= lastFrame + EVERY)
                     .as("frame %d after %d", frame, lastFrame).isTrue();
@@ -119,8 +126,9 @@ class CameraFuzzTest {
         void comeBack() throws IOException {
             client.socket.setSoLinger(true, 0);
             client.close();
-            client = room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'" + session
-                    + "','frame':" + room.loop.frame() + "}}");
+            client = room.connect()
+                    .say("{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'"
+                            + session + "','frame':" + room.loop.frame() + "}}");
             client.expect("welcome");
             errors = 0;
             lastFrame = -EVERY; // what it was told meanwhile, it cannot know
@@ -132,8 +140,10 @@ class CameraFuzzTest {
 
     @Test
     void everyLookIsAnsweredOnceByACameraOfItsOwnWhateverHappensMeanwhile() throws IOException {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5)).sensor(EYE).build();
-        try (AgentRoom its = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(List.of(), Optional.of(body)), 256);
+        ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5))
+                .sensor(EYE).build();
+        try (AgentRoom its = new AgentRoom(AgentRoom.CONFIG,
+                new AgentPolicy(List.of(), Optional.of(body)), 256);
                 TestClient boss = its.connect()) {
             room = its;
             room.cameras = (item, camera, answer) -> {
@@ -209,7 +219,8 @@ class CameraFuzzTest {
             default -> {
                 byte[] id = ByteBuffer.allocate(4).putInt((int) order.body().value()).array();
                 order.answer().taken(new Cameras.Photo(room.loop.frame(), 0, 1, 1,
-                        Optional.of(new byte[] {id[1], id[2], id[3]}), Optional.empty(), Optional.empty(), List.of()));
+                        Optional.of(new byte[] {id[1], id[2], id[3]}), Optional.empty(),
+                        Optional.empty(), List.of()));
             }
         }
         return true;

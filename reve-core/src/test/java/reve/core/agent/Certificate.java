@@ -6,7 +6,10 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 
-/** A certificate for this machine that vouches for itself, made by the command that the documents give. */
+/**
+ * A certificate for this machine that vouches for itself, made by the command that the
+ * documents give.
+ */
 record Certificate(Path certificate, Path key) {
 
     static Certificate make(Path folder, String name) throws IOException, InterruptedException {
@@ -14,11 +17,13 @@ record Certificate(Path certificate, Path key) {
     }
 
     /** @param kind of key, as openssl has it */
-    static Certificate make(Path folder, String name, String... kind) throws IOException, InterruptedException {
+    static Certificate make(Path folder, String name, String... kind)
+            throws IOException, InterruptedException {
         var made = new Certificate(folder.resolve(name + ".crt"), folder.resolve(name + ".key"));
-        var command = new ArrayList<>(List.of("openssl", "req", "-x509", "-nodes", "-days", "2", "-keyout",
-                made.key.toString(), "-out", made.certificate.toString(), "-subj", "/CN=localhost", "-addext",
-                "subjectAltName=DNS:localhost,IP:127.0.0.1", "-newkey"));
+        var command = new ArrayList<>(List.of("openssl", "req", "-x509", "-nodes", "-days", "2",
+                "-keyout", made.key.toString(), "-out", made.certificate.toString(),
+                "-subj", "/CN=localhost",
+                "-addext", "subjectAltName=DNS:localhost,IP:127.0.0.1", "-newkey"));
         command.addAll(List.of(kind));
         Process openssl = new ProcessBuilder(command).redirectErrorStream(true).start();
         openssl.getOutputStream().close();

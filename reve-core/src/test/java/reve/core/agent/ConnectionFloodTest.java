@@ -24,7 +24,9 @@ import org.slf4j.LoggerFactory;
 import reve.core.frame.FramePhase;
 import tools.jackson.databind.JsonNode;
 
-/** Thousands of connections a second that say nothing; who is in a world stays, perceives and acts. */
+/**
+ * Thousands of connections a second that say nothing; who is in a world stays, perceives and acts.
+ */
 class ConnectionFloodTest {
 
     /** Of the flood; sixty for a whole run. */
@@ -45,7 +47,8 @@ class ConnectionFloodTest {
         var logger = (Logger) LoggerFactory.getLogger("reve.agents");
         logger.addAppender(log);
         try (AgentRoom room = new AgentRoom()) {
-            room.bus.subscribe(FramePhase.DERIVE, "clock", event -> madeNanos.put(event.frame(), System.nanoTime()));
+            room.bus.subscribe(FramePhase.DERIVE, "clock",
+                    event -> madeNanos.put(event.frame(), System.nanoTime()));
             List<FutureTask<List<Long>>> agents = new ArrayList<>();
             for (int i = 0; i < GOOD; i++) {
                 TestClient client = room.join("good" + i);
@@ -66,10 +69,12 @@ class ConnectionFloodTest {
             for (FutureTask<List<Long>> agent : agents) {
                 ages.addAll(agent.get());
             }
-            System.out.printf("%d connections in %d s; age of perceptions, median and p99 [us]: %s, in the flood %s%n",
+            System.out.printf("%d connections in %d s; "
+                    + "age of perceptions, median and p99 [us]: %s, in the flood %s%n",
                     flood.get(), SECONDS, quantiles(ages, 0, calm), quantiles(ages, calm, flooded));
             assertThat(flood.get()).isPositive();
-            assertThat(log.list.size() - before).as("lines of the log, one a second and what was left out: %s", log.list)
+            assertThat(log.list.size() - before)
+                    .as("lines of the log, one a second and what was left out: %s", log.list)
                     .isLessThanOrEqualTo(2 * (SECONDS + 5) + GOOD);
         } finally {
             logger.detachAppender(log);
@@ -87,7 +92,11 @@ class ConnectionFloodTest {
         return room.loop.frame();
     }
 
-    /** Perceives newer and newer frames, and acts, until the flood is over. @return frames and their ages [ns] in turn */
+    /**
+     * Perceives newer and newer frames, and acts, until the flood is over.
+     *
+     * @return frames and their ages [ns] in turn
+     */
     private List<Long> ages(TestClient client) throws IOException {
         List<Long> ages = new ArrayList<>();
         try (client) {
@@ -128,7 +137,8 @@ class ConnectionFloodTest {
         Deque<Socket> open = new ArrayDeque<>();
         int count = 0;
         try {
-            for (long next = System.nanoTime(); !over; next += TimeUnit.SECONDS.toNanos(1) / PER_SECOND) {
+            for (long next = System.nanoTime(); !over;
+                    next += TimeUnit.SECONDS.toNanos(1) / PER_SECOND) {
                 LockSupport.parkNanos(next - System.nanoTime());
                 open.addLast(knock(server));
                 if (count++ % 2 == 0) {

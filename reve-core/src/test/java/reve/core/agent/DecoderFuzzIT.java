@@ -18,7 +18,10 @@ class DecoderFuzzIT {
     /** Inputs that are tried; ten million for a whole run. */
     private static final int RUNS = Integer.getInteger("reve.fuzz.runs", 50_000);
 
-    /** The heap's limit counts: to libFuzzer, a process is as large as the one that started it once was. */
+    /**
+     * The heap's limit counts: to libFuzzer, a process is as large as the one that
+     * started it once was.
+     */
     private static final String NO_RSS_LIMIT = "-rss_limit_mb=0";
 
     @TempDir
@@ -30,10 +33,13 @@ class DecoderFuzzIT {
         writeVectors(corpus);
         long seed = Seed.of("the decoder") & Integer.MAX_VALUE;
         Process jazzer = new ProcessBuilder(System.getProperty("java.home") + "/bin/java",
-                "--enable-native-access=ALL-UNNAMED", "--sun-misc-unsafe-memory-access=allow", "-Xmx1g", "-cp",
-                System.getProperty("java.class.path"), "com.code_intelligence.jazzer.Jazzer",
+                "--enable-native-access=ALL-UNNAMED", "--sun-misc-unsafe-memory-access=allow",
+                "-Xmx1g", "-cp", System.getProperty("java.class.path"),
+                "com.code_intelligence.jazzer.Jazzer",
                 "--target_class=" + DecoderFuzzer.class.getName(),
-                "--instrumentation_includes=reve.core.agent.**:tools.jackson.core.**:org.msgpack.**", "-runs=" + RUNS,
+                "--instrumentation_includes="
+                        + "reve.core.agent.**:tools.jackson.core.**:org.msgpack.**",
+                "-runs=" + RUNS,
                 "-seed=" + seed, "-max_len=8192", "-timeout=300", NO_RSS_LIMIT, corpus.toString())
                 .directory(folder.toFile()).redirectErrorStream(true).start();
         jazzer.getOutputStream().close();
@@ -44,14 +50,18 @@ class DecoderFuzzIT {
 
     private static void writeVectors(Path corpus) throws Exception {
         int number = 0;
-        for (String file : new String[] {"client.jsonl", "refused.jsonl", "packed.jsonl", "packed-refused.jsonl"}) {
+        for (String file : new String[] {"client.jsonl", "refused.jsonl", "packed.jsonl",
+                "packed-refused.jsonl"}) {
             for (JsonNode vector : Vectors.lines(file)) {
-                byte[] frame = vector.has("bytes") ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
-                        : vector.path("line").asString(vector.toString()).getBytes(StandardCharsets.UTF_8);
+                String line = vector.path("line").asString(vector.toString());
+                byte[] frame = vector.has("bytes")
+                        ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
+                        : line.getBytes(StandardCharsets.UTF_8);
                 boolean packed = file.startsWith("packed");
                 int skipped = packed ? Math.min(frame.length, Encoding.LENGTH_BYTES) : 0;
                 write(corpus.resolve("message" + number), packed ? 1 : 0, frame, skipped);
-                write(corpus.resolve("stream" + number), (packed ? 3 : 2) + (number % 32 << 2), frame, 0);
+                write(corpus.resolve("stream" + number),
+                        (packed ? 3 : 2) + (number % 32 << 2), frame, 0);
                 number++;
             }
         }

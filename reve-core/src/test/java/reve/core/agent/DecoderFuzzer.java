@@ -8,8 +8,8 @@ import java.util.Arrays;
 import java.util.List;
 
 /**
- * What Jazzer calls with bytes of its own making. The first one says how they are taken: as a message of JSON or of
- * MessagePack, or as what comes from a socket in pieces.
+ * What Jazzer calls with bytes of its own making. The first one says how they are taken: as a
+ * message of JSON or of MessagePack, or as what comes from a socket in pieces.
  */
 public final class DecoderFuzzer {
 
@@ -34,7 +34,8 @@ public final class DecoderFuzzer {
             List<String> whole = cut(bytes, encoding, Integer.MAX_VALUE);
             List<String> pieces = cut(bytes, encoding, piece);
             if (!whole.equals(pieces)) {
-                throw new AssertionError("in pieces of " + piece + ": " + pieces + ", whole: " + whole);
+                throw new AssertionError("in pieces of " + piece + ": " + pieces
+                        + ", whole: " + whole);
             }
         }
     }
@@ -53,7 +54,10 @@ public final class DecoderFuzzer {
         }
     }
 
-    /** The messages that come out of a stream, and how it ends, whatever the pieces in which it comes. */
+    /**
+     * The messages that come out of a stream, and how it ends, whatever the pieces in
+     * which it comes.
+     */
     private static List<String> cut(byte[] bytes, Encoding encoding, int piece) throws IOException {
         var found = new ArrayList<String>();
         var messages = new FrameReader(CONFIG, () -> { });

@@ -42,18 +42,20 @@ class EncodingTest {
         private final DataInputStream in;
 
         Packed(String name) throws IOException {
-            socket = new Socket(room.server.address().getAddress(), room.server.address().getPort());
+            socket =
+                    new Socket(room.server.address().getAddress(), room.server.address().getPort());
             socket.setSoTimeout(20_000);
             out = socket.getOutputStream();
             in = new DataInputStream(socket.getInputStream());
-            out.write(("{\"t\":\"hello\",\"protocol\":1,\"encoding\":\"msgpack\",\"name\":\"" + name + "\"}\n")
-                    .getBytes(StandardCharsets.US_ASCII));
+            out.write(("{\"t\":\"hello\",\"protocol\":1,\"encoding\":\"msgpack\",\"name\":\""
+                    + name + "\"}\n").getBytes(StandardCharsets.US_ASCII));
         }
 
         Packed say(String json) throws IOException {
             JsonNode message = TestClient.json(json);
             byte[] packed = Encoding.MESSAGEPACK.value(writer -> write(writer, message));
-            out.write(ByteBuffer.allocate(4 + packed.length).putInt(packed.length).put(packed).array());
+            out.write(ByteBuffer.allocate(4 + packed.length).putInt(packed.length)
+                    .put(packed).array());
             return this;
         }
 
@@ -104,7 +106,8 @@ class EncodingTest {
             JsonNode first = client.expect("perception");
             assertThat(first.at("/items/0/symbols/class").stringValue()).isEqualTo("toy");
             assertThat(first.at("/items/0/location/2").doubleValue()).isEqualTo(-2.5);
-            client.say("{'t':'act','id':3,'item':'duck','action':'push','arguments':{'impulse':[0.5,0,0]}}")
+            client.say("{'t':'act','id':3,'item':'duck','action':'push',"
+                    + "'arguments':{'impulse':[0.5,0,0]}}")
                     .say("{'t':'ping','id':4}");
             client.expect("pong");
             room.item("duck").physical().setLocation(2, 0, 0);
@@ -134,7 +137,8 @@ class EncodingTest {
     @Test
     void anEncodingThatTheServerDoesNotWriteIsRefusedInJson() throws IOException {
         try (TestClient client = room.connect()) {
-            client.say("{'t':'hello','protocol':1,'name':'ada','encoding':'xml'}").expectBye("encoding-unsupported");
+            client.say("{'t':'hello','protocol':1,'name':'ada','encoding':'xml'}")
+                    .expectBye("encoding-unsupported");
         }
     }
 
@@ -156,12 +160,17 @@ class EncodingTest {
             told.add(ada.expect("bye"));
         }
         room.server.close();
-        List<JsonNode> record = Files.readAllLines(folder.resolve("audit.jsonl")).stream().map(TestClient::json).toList();
-        assertThat(record).allSatisfy(entry -> assertThat(entry.get("at").stringValue()).startsWith("20"));
-        assertThat(record).allSatisfy(entry -> assertThat(entry.get("world").stringValue()).isEqualTo("pond"));
+        List<JsonNode> record = Files.readAllLines(folder.resolve("audit.jsonl")).stream()
+                .map(TestClient::json).toList();
+        assertThat(record)
+                .allSatisfy(entry -> assertThat(entry.get("at").stringValue()).startsWith("20"));
+        assertThat(record)
+                .allSatisfy(entry ->
+                        assertThat(entry.get("world").stringValue()).isEqualTo("pond"));
         assertThat(record.stream().filter(entry -> entry.get("client").stringValue().equals("ada"))
                 .map(entry -> entry.get("message").toString()))
                 .containsExactlyElementsOf(told.stream().map(JsonNode::toString).toList());
-        assertThat(record.stream().anyMatch(entry -> entry.get("client").stringValue().equals("bob"))).isTrue();
+        assertThat(record.stream()
+                .anyMatch(entry -> entry.get("client").stringValue().equals("bob"))).isTrue();
     }
 }

@@ -18,8 +18,10 @@ import tools.jackson.databind.JsonNode;
 /** Agents that a world waits for, over the wire; the world runs as fast as it may. */
 class LockStepServerTest {
 
-    private static final String HELLO = "{'t':'hello','protocol':1,'name':'%s','time':{'mode':'lock-step'%s}}";
-    private static final String WIND_UP = "{'t':'act','id':%d,'item':'duck','action':'wind-up','ready':true}";
+    private static final String HELLO =
+            "{'t':'hello','protocol':1,'name':'%s','time':{'mode':'lock-step'%s}}";
+    private static final String WIND_UP =
+            "{'t':'act','id':%d,'item':'duck','action':'wind-up','ready':true}";
     private static final int FRAMES = 1000;
 
     private AgentRoom room;
@@ -58,7 +60,8 @@ class LockStepServerTest {
 
     @Test
     void theWelcomeSaysTheRhythmAndTheDeadlineThatTheServerGrants() throws IOException {
-        try (TestClient ada = room.connect().say(HELLO.formatted("ada", ",'every':3,'deadline':1000")).sync()) {
+        try (TestClient ada = room.connect()
+                .say(HELLO.formatted("ada", ",'every':3,'deadline':1000")).sync()) {
             room.step();
             assertThat(ada.expect("welcome").get("time")).isEqualTo(
                     TestClient.json("{'mode':'lock-step','every':3,'deadline':10.0}"));
@@ -86,7 +89,8 @@ class LockStepServerTest {
             for (int frame = 2; frame < 50; frame++) {
                 ada.say(WIND_UP.formatted(frame));
                 assertThat(ada.expect("result")).isEqualTo(TestClient.json(
-                        "{'t':'result','id':%d,'accepted':true,'frame':%d}".formatted(frame, frame)));
+                        "{'t':'result','id':%d,'accepted':true,'frame':%d}".formatted(
+                                frame, frame)));
                 assertThat(ada.expect("event").get("type").stringValue()).isEqualTo("acted");
                 assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(frame);
             }
@@ -106,7 +110,8 @@ class LockStepServerTest {
 
     @Test
     void relationsAreToldToWhoWantsThem() throws IOException {
-        try (TestClient ada = room.connect().say(HELLO.formatted("ada", ",'relations':true")).sync()) {
+        try (TestClient ada = room.connect()
+                .say(HELLO.formatted("ada", ",'relations':true")).sync()) {
             room.step();
             assertThat(ada.skipTo("perception").at("/items/0/symbols/near").isArray()).isTrue();
         }
@@ -114,7 +119,8 @@ class LockStepServerTest {
 
     @Test
     void everybodyHearsWhoIsLateAndItsFallbackIsDoneInTheNextFrame() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':0.02,'fallback':{'item':'duck','action':'push',"
+        try (TestClient ada = join("ada",
+                ",'deadline':0.02,'fallback':{'item':'duck','action':'push',"
                 + "'arguments':{'impulse':[2,0,0]}}");
                 TestClient eye = room.connect()) {
             eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
@@ -123,8 +129,9 @@ class LockStepServerTest {
                 JsonNode late = client.expect("event");
                 assertThat(late).isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'late',"
                         + "'fields':{'agent':'ada','body':'ada','count':1}}"));
-                assertThat(client.expect("event")).isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'acted',"
-                        + "'fields':{'agent':'ada','item':'duck','action':'push'}}"));
+                assertThat(client.expect("event"))
+                        .isEqualTo(TestClient.json("{'t':'event','frame':2,'type':'acted',"
+                                + "'fields':{'agent':'ada','item':'duck','action':'push'}}"));
             }
             assertThat(ada.skipTo("event").at("/fields/count").longValue()).isEqualTo(2);
         }
@@ -141,7 +148,8 @@ class LockStepServerTest {
 
     @Test
     void whoLeavesOrBreaksOffIsNotWaitedFor() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':10"); TestClient bob = join("bob", ",'deadline':10");
+        try (TestClient ada = join("ada", ",'deadline':10");
+                TestClient bob = join("bob", ",'deadline':10");
                 TestClient cleo = join("cleo", ",'deadline':10")) {
             ada.expect("event"); // bob joined
             ada.expect("perception");
@@ -159,13 +167,15 @@ class LockStepServerTest {
 
     @Test
     void whoComesBackPerceivesTheNextFrameAndIsWaitedForAgain() throws IOException {
-        TestClient ada = room.connect().say(HELLO.formatted("ada", "}, 'graceSeconds': 60, 'x': {")).sync();
+        TestClient ada = room.connect()
+                .say(HELLO.formatted("ada", "}, 'graceSeconds': 60, 'x': {")).sync();
         room.step();
         JsonNode welcome = ada.expect("welcome");
         try (TestClient again = room.connect()) {
             run();
             again.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
-                    + welcome.at("/session/token").stringValue() + "','frame':1}}").expect("welcome");
+                    + welcome.at("/session/token").stringValue() + "','frame':1}}")
+                    .expect("welcome");
             long frame = again.skipTo("perception").get("frame").longValue();
             assertThat(frame).isEqualTo(2);
             again.say("{'t':'ready','frame':2}");
@@ -251,7 +261,9 @@ class LockStepServerTest {
         }
     }
 
-    /** However long each of two agents thinks, the same acts make the same world, frame by frame. */
+    /**
+     * However long each of two agents thinks, the same acts make the same world, frame by frame.
+     */
     @Test
     void theSameActsMakeTheSameWorldHoweverLongTheAgentsThink() throws Exception {
         long seed = Seed.of("delays");
@@ -264,20 +276,24 @@ class LockStepServerTest {
         assertThat(second).as("seed %d", seed).isEqualTo(first);
     }
 
-    /** What two agents make of the duck's velocity, whose rounding tells the order of their acts. */
+    /**
+     * What two agents make of the duck's velocity, whose rounding tells the order of their acts.
+     */
     private List<Long> hashes(long seedOfDelays) throws Exception {
         List<Long> hashes = new CopyOnWriteArrayList<>();
         try (TestClient ada = room.connect(); TestClient bob = room.connect()) {
             ada.say(HELLO.formatted("ada", ",'deadline':10")).sync();
             bob.say(HELLO.formatted("bob", ",'deadline':10")).sync();
             room.step();
-            room.bus.subscribe(FramePhase.DERIVE, "hashes", event -> hashes.add(hash(event.world())));
+            room.bus.subscribe(FramePhase.DERIVE, "hashes",
+                    event -> hashes.add(hash(event.world())));
             run();
             Thread other = Thread.ofVirtual().start(() -> play(bob, 2, seedOfDelays));
             play(ada, 1, ~seedOfDelays);
             other.join();
         }
-        return hashes.stream().limit(FRAMES).toList(); // those of now: the world goes on without them
+        // those of now: the world goes on without them
+        return hashes.stream().limit(FRAMES).toList();
     }
 
     private static void play(TestClient client, long seedOfActs, long seedOfDelays) {
@@ -289,8 +305,9 @@ class LockStepServerTest {
                 if (delays.nextInt(4) == 0) {
                     LockSupport.parkNanos(delays.nextInt(200_000));
                 }
-                client.say("{'t':'act','id':%d,'item':'duck','action':'push','arguments':{'impulse':[%s,%s,0]},"
-                        .formatted(i, acts.nextDouble(), acts.nextDouble()) + "'ready':true}");
+                client.say(("{'t':'act','id':%d,'item':'duck','action':'push','ready':true,"
+                        + "'arguments':{'impulse':[%s,%s,0]}}")
+                        .formatted(i, acts.nextDouble(), acts.nextDouble()));
                 client.skipTo("perception");
             }
         } catch (IOException e) {

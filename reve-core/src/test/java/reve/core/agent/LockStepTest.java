@@ -20,7 +20,10 @@ import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 import reve.core.world.WorldPrototype;
 
-/** When a world waits for agents in lock-step, against a small model, on a clock that only moves while it waits. */
+/**
+ * When a world waits for agents in lock-step, against a small model, on a clock that
+ * only moves while it waits.
+ */
 class LockStepTest {
 
     private static final long MILLISECOND = 1_000_000;
@@ -32,8 +35,9 @@ class LockStepTest {
     private final Map<String, Player> byName = new HashMap<>();
     private final Clock clock = new Clock();
     private final FrameBus bus = new FrameBus();
-    private final FrameLoop loop = new FrameLoop(new World("test", WorldPrototype.standard("si-f64"),
-            new OffHeapArena()), bus, Timing.DEFAULT, Pacing.FAST, clock);
+    private final FrameLoop loop = new FrameLoop(
+            new World("test", WorldPrototype.standard("si-f64"), new OffHeapArena()), bus,
+            Timing.DEFAULT, Pacing.FAST, clock);
     private final LockStep lockStep = new LockStep(clock::wake, this::heard, LockStep.Waiting.IDLE);
     private long dueSince;
     private long longestDeadline;
@@ -51,7 +55,8 @@ class LockStepTest {
 
         Player(String name, int every, long deadlineNanos, long origin) {
             this.turn = new Turn(name, new ClientMessage.LockStep(every, false, deadlineNanos / 1e9,
-                    Optional.of(new AgentInput.Fallback(Optional.empty(), "brake", Map.of()))), deadlineNanos);
+                    Optional.of(new AgentInput.Fallback(Optional.empty(), "brake", Map.of()))),
+                    deadlineNanos);
             this.every = every;
             this.deadlineNanos = deadlineNanos;
             this.origin = origin;
@@ -112,7 +117,10 @@ class LockStepTest {
         player.done = Math.max(player.done, player.roundsBegun(loop.frame()));
     }
 
-    /** Something that an agent or an operator does while the world waits; agents also move while it does not. */
+    /**
+     * Something that an agent or an operator does while the world waits; agents also
+     * move while it does not.
+     */
     private void happen() {
         if (loop.isPaused()) {
             if (random.nextInt(3) == 0) {
@@ -186,7 +194,8 @@ class LockStepTest {
         long frame = random.nextInt(4) == 0 ? random.nextLong(2 * loop.frame() + 1) : loop.frame();
         if (saysFrame) {
             player.turn.ready(frame, loop.frame());
-            player.done = frame > loop.frame() ? player.done : Math.max(player.done, player.roundsBegun(frame));
+            player.done = frame > loop.frame() ? player.done
+                    : Math.max(player.done, player.roundsBegun(frame));
         } else {
             player.turn.ready();
             player.done++;
@@ -199,17 +208,19 @@ class LockStepTest {
         bus.subscribe(FramePhase.INTAKE, "check", event -> {
             long before = event.frame() - 1;
             for (Player player : players) {
-                assertThat(player.isMissing(before)).as("seed %d, frame %d", seed, event.frame()).isFalse();
+                assertThat(player.isMissing(before))
+                        .as("seed %d, frame %d", seed, event.frame()).isFalse();
             }
             takeBack(event.frame());
-            assertThat(clock.now - dueSince).as("seed %d, wait before frame %d", seed, event.frame())
+            assertThat(clock.now - dueSince)
+                    .as("seed %d, wait before frame %d", seed, event.frame())
                     .isLessThanOrEqualTo(longestDeadline);
         });
         bus.subscribe(FramePhase.ACT, "join", event -> {
             if (players.size() < 5 && random.nextInt(20) == 0) {
                 String name = "agent " + byName.size();
-                var player = new Player(name, 1 + random.nextInt(4), random.nextLong(30 * MILLISECOND),
-                        event.frame());
+                var player = new Player(name, 1 + random.nextInt(4),
+                        random.nextLong(30 * MILLISECOND), event.frame());
                 players.add(player);
                 byName.put(name, player);
                 player.turn.begin(event.frame());
@@ -220,7 +231,8 @@ class LockStepTest {
         });
         bus.subscribe(FramePhase.PUBLISH, "due", event -> {
             dueSince = clock.now;
-            longestDeadline = players.stream().mapToLong(player -> player.deadlineNanos).max().orElse(0);
+            longestDeadline = players.stream().mapToLong(player -> player.deadlineNanos)
+                    .max().orElse(0);
         });
         loop.setGate(lockStep);
         loop.run(FRAMES);
@@ -229,7 +241,8 @@ class LockStepTest {
 
     @Test
     void aReadyForARoundThatIsOverDoesNothing() {
-        var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()), MILLISECOND);
+        var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()),
+                MILLISECOND);
         turn.begin(10);
         assertThat(turn.isAwaited(9)).isFalse();
         assertThat(turn.isAwaited(10)).isTrue();
@@ -238,7 +251,8 @@ class LockStepTest {
         assertThat(turn.isAwaited(12)).isTrue();
         turn.ready(11, 12);
         turn.ready(14, 12);
-        assertThat(turn.isAwaited(12)).as("by a ready of the last round, or of one to come").isTrue();
+        assertThat(turn.isAwaited(12))
+                .as("by a ready of the last round, or of one to come").isTrue();
         turn.ready();
         turn.ready();
         assertThat(turn.isAwaited(14)).as("said before its time").isFalse();
@@ -246,7 +260,8 @@ class LockStepTest {
 
     @Test
     void whoHasLeftBeforeItCameIsNotWaitedFor() {
-        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()), MILLISECOND);
+        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                MILLISECOND);
         turn.begin(1);
         lockStep.remove(turn);
         lockStep.add(turn);
@@ -255,7 +270,8 @@ class LockStepTest {
 
     @Test
     void whoHasNotBeenReadyYetDoesNotKeepOthersFromComing() {
-        var turn = new Turn("ada", new ClientMessage.LockStep(3, false, 1, Optional.empty()), MILLISECOND);
+        var turn = new Turn("ada", new ClientMessage.LockStep(3, false, 1, Optional.empty()),
+                MILLISECOND);
         turn.begin(1);
         lockStep.add(turn);
         assertThat(lockStep.nanosecondsToWait(2, 0)).isEqualTo(MILLISECOND);
@@ -274,7 +290,8 @@ class LockStepTest {
     void ofTheRoundsThatABrokenConnectionCostsTheOthersHearOnce() {
         var heard = new ArrayList<AgentInput.Late>();
         var gate = new LockStep(() -> { }, heard::add, LockStep.Waiting.IDLE);
-        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()), MILLISECOND);
+        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                MILLISECOND);
         turn.begin(1);
         gate.add(turn);
         turn.breakOff();
@@ -285,7 +302,8 @@ class LockStepTest {
         assertThat(gate.nanosecondsToWait(5, 0)).isZero();
         assertThat(gate.nanosecondsToWait(6, 0)).isEqualTo(MILLISECOND);
         assertThat(gate.nanosecondsToWait(6, MILLISECOND)).isZero();
-        assertThat(heard).extracting(AgentInput.Late::told).containsExactly(true, false, false, true);
+        assertThat(heard).extracting(AgentInput.Late::told)
+                .containsExactly(true, false, false, true);
         assertThat(heard).extracting(AgentInput.Late::count).containsExactly(1L, 2L, 3L, 4L);
     }
 }

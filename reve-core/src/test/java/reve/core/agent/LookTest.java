@@ -34,7 +34,8 @@ class LookTest {
 
     @BeforeEach
     void join() throws IOException {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5)).sensor(EYE).build();
+        ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5))
+                .sensor(EYE).build();
         room = new AgentRoom(AgentRoom.CONFIG.withAudit(folder.resolve("audit.jsonl")),
                 new AgentPolicy(List.of(), Optional.of(body)), 64);
         room.cameras = (item, camera, answer) -> {
@@ -51,8 +52,9 @@ class LookTest {
     }
 
     private Cameras.Photo photo() {
-        return new Cameras.Photo(room.loop.frame(), 0.5, 2, 1, Optional.of(new byte[] {-1, 0, 0, 0, -1, 0}),
-                Optional.empty(), Optional.empty(), List.of());
+        return new Cameras.Photo(room.loop.frame(), 0.5, 2, 1,
+                Optional.of(new byte[] {-1, 0, 0, 0, -1, 0}), Optional.empty(),
+                Optional.empty(), List.of());
     }
 
     private JsonNode lookAndGet(int id) throws IOException {
@@ -111,9 +113,11 @@ class LookTest {
     }
 
     @Test
-    void aPictureThatFailsIsAnErrorThatTellsNothingOfTheServerAndTheNextMaySucceed() throws IOException {
+    void aPictureThatFailsIsAnErrorThatTellsNothingOfTheServerAndTheNextMaySucceed()
+            throws IOException {
         ada.say("{'t':'look','id':1,'sensor':'eye'}").sync();
-        asked.remove().failed(new IllegalStateException("there is no program /opt/server/vesper-render"));
+        asked.remove()
+                .failed(new IllegalStateException("there is no program /opt/server/vesper-render"));
         JsonNode error = ada.expect("error");
         assertThat(error.get("code").stringValue()).isEqualTo("no-picture");
         assertThat(error.get("message").stringValue()).isEqualTo(
@@ -129,7 +133,8 @@ class LookTest {
         ada.expect("bye");
         asked.remove().taken(photo());
         try (TestClient bob = room.join("bob")) {
-            assertThat(bob.say("{'t':'ping','id':4}").expect("pong").get("id").intValue()).isEqualTo(4);
+            assertThat(bob.say("{'t':'ping','id':4}").expect("pong").get("id").intValue())
+                    .isEqualTo(4);
         }
     }
 
@@ -137,9 +142,11 @@ class LookTest {
     void aCameraSensesNoItems() throws IOException {
         ada.say("{'t':'perceive','id':1}").sync();
         room.step();
-        assertThat(ada.expect("perception").get("items").valueStream().map(item -> item.get("name").stringValue()))
+        assertThat(ada.expect("perception").get("items").valueStream()
+                .map(item -> item.get("name").stringValue()))
                 .containsExactly("ada");
-        ada.say("{'t':'act','id':2,'item':'duck','action':'push','arguments':{'impulse':[1,0,0]}}").sync();
+        ada.say("{'t':'act','id':2,'item':'duck','action':'push','arguments':{'impulse':[1,0,0]}}")
+                .sync();
         room.step();
         assertThat(ada.expect("result").get("code").stringValue()).isEqualTo("no-such-item");
     }

@@ -19,15 +19,18 @@ import tools.jackson.databind.JsonNode;
 /** What is written in an encoding is read as the same by libraries that other programs use. */
 class MessageWriterTest {
 
-    private static final List<Object> EDGES = List.of("", "plain", "\"\\\b\f\n\r\t\u0000\u001f/\u007f", "é€😀", "é".repeat(15),
-            "x".repeat(31), "x".repeat(32), "x".repeat(255), "x".repeat(256), "😀".repeat(20_000), 0, -1, -32, -33, 127,
-            128, 255, 256, -128, -129, 65_535, 65_536, Integer.MIN_VALUE, Integer.MAX_VALUE, 1L << 31, (1L << 32) - 1,
-            1L << 32, Long.MIN_VALUE, Long.MAX_VALUE, 0.0, -0.0, 1e-320, Double.MIN_VALUE, Double.MAX_VALUE, 1e21, 0.1,
-            true, false, List.of(), Map.of(), Collections.nCopies(15, 1), Collections.nCopies(16, 1),
+    private static final List<Object> EDGES = List.of("", "plain",
+            "\"\\\b\f\n\r\t\u0000\u001f/\u007f", "é€😀", "é".repeat(15), "x".repeat(31),
+            "x".repeat(32), "x".repeat(255), "x".repeat(256), "😀".repeat(20_000), 0, -1,
+            -32, -33, 127, 128, 255, 256, -128, -129, 65_535, 65_536, Integer.MIN_VALUE,
+            Integer.MAX_VALUE, 1L << 31, (1L << 32) - 1, 1L << 32, Long.MIN_VALUE, Long.MAX_VALUE,
+            0.0, -0.0, 1e-320, Double.MIN_VALUE, Double.MAX_VALUE, 1e21, 0.1, true, false,
+            List.of(), Map.of(), Collections.nCopies(15, 1), Collections.nCopies(16, 1),
             Collections.nCopies(70_000, "x"));
 
     private static JsonNode read(Encoding encoding, byte[] bytes) {
-        return encoding == Encoding.JSON ? Json.MAPPER.readTree(new String(bytes, StandardCharsets.UTF_8))
+        return encoding == Encoding.JSON
+                ? Json.MAPPER.readTree(new String(bytes, StandardCharsets.UTF_8))
                 : MessagePackReader.read(ByteBuffer.wrap(bytes));
     }
 
@@ -121,7 +124,8 @@ class MessageWriterTest {
         for (int i = random.nextInt(40); i > 0; i--) {
             int limit = random.nextBoolean() ? 0x80 : Character.MAX_CODE_POINT + 1;
             int point = random.nextInt(limit);
-            text.appendCodePoint(point >= Character.MIN_SURROGATE && point <= Character.MAX_SURROGATE ? 'x' : point);
+            boolean half = point >= Character.MIN_SURROGATE && point <= Character.MAX_SURROGATE;
+            text.appendCodePoint(half ? 'x' : point);
         }
         return text.toString();
     }

@@ -59,7 +59,8 @@ class MessagesTest {
     @ParameterizedTest
     @MethodSource("refusedLines")
     void aBadLineIsRefusedWithItsCode(JsonNode vector) {
-        byte[] line = vector.has("bytes") ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
+        byte[] line = vector.has("bytes")
+                ? HexFormat.of().parseHex(vector.get("bytes").stringValue())
                 : vector.get("line").stringValue().getBytes(StandardCharsets.UTF_8);
         assertThatThrownBy(() -> MessageReader.read(ByteBuffer.wrap(line), Encoding.JSON))
                 .isInstanceOfSatisfying(BadMessage.class, e -> {
@@ -73,7 +74,8 @@ class MessagesTest {
     @MethodSource("packedMessages")
     void aPackedMessageOfAClientMeansTheSame(JsonNode vector) throws BadMessage {
         byte[] frame = bytes(vector);
-        ByteBuffer packed = ByteBuffer.wrap(frame, Encoding.LENGTH_BYTES, frame.length - Encoding.LENGTH_BYTES);
+        ByteBuffer packed =
+                ByteBuffer.wrap(frame, Encoding.LENGTH_BYTES, frame.length - Encoding.LENGTH_BYTES);
         assertThat(ByteBuffer.wrap(frame).getInt()).isEqualTo(packed.remaining());
         assertThat(MessageReader.read(packed.slice(), Encoding.MESSAGEPACK))
                 .isEqualTo(read(vector.get("message").toString()));
@@ -83,10 +85,12 @@ class MessagesTest {
     @MethodSource("packedRefused")
     void aBadPackedMessageIsRefusedWithItsCode(JsonNode vector) {
         byte[] frame = bytes(vector);
-        ByteBuffer packed = ByteBuffer.wrap(frame, Encoding.LENGTH_BYTES, frame.length - Encoding.LENGTH_BYTES);
+        ByteBuffer packed =
+                ByteBuffer.wrap(frame, Encoding.LENGTH_BYTES, frame.length - Encoding.LENGTH_BYTES);
         assertThatThrownBy(() -> MessageReader.read(packed.slice(), Encoding.MESSAGEPACK))
                 .isInstanceOfSatisfying(BadMessage.class,
-                        e -> assertThat(e.error().code()).isEqualTo(vector.get("code").stringValue()));
+                        e -> assertThat(e.error().code())
+                                .isEqualTo(vector.get("code").stringValue()));
     }
 
     @ParameterizedTest
@@ -94,7 +98,8 @@ class MessagesTest {
     void aServersMessageIsPackedWithTheSameFields(JsonNode message) {
         ByteBuffer frame = ByteBuffer.wrap(message(message).in(Encoding.MESSAGEPACK));
         assertThat(frame.getInt()).isEqualTo(frame.remaining());
-        Vectors.assertSame(MessagePackReader.read(frame.slice(), Base64.getEncoder()::encodeToString), message);
+        Vectors.assertSame(MessagePackReader.read(frame.slice(),
+                Base64.getEncoder()::encodeToString), message);
     }
 
     static Stream<JsonNode> packedMessages() {
@@ -128,20 +133,23 @@ class MessagesTest {
 
     @Test
     void whatIsNotFiniteInAnEventLeavesTheLineValid() {
-        byte[] line = new ServerMessage.Event(1, "fault", Map.of("value", Double.NaN)).in(Encoding.JSON);
+        byte[] line = new ServerMessage.Event(1, "fault", Map.of("value", Double.NaN))
+                .in(Encoding.JSON);
         assertThat(JSON.readTree(line).at("/fields/value").stringValue()).isEqualTo("NaN");
     }
 
     @Test
     void foreignTextIsShownWithoutControlAndFormatCharacters() {
         assertThat(Text.quote("duck")).isEqualTo("\"duck\"");
-        assertThat(Text.quote("a\n\u0000\u202e\"\\é🦆")).isEqualTo("\"a\\u{a}\\u{0}\\u{202e}\\\"\\\\é🦆\"");
+        assertThat(Text.quote("a\n\u0000\u202e\"\\é🦆"))
+                .isEqualTo("\"a\\u{a}\\u{0}\\u{202e}\\\"\\\\é🦆\"");
         assertThat(Text.quote("x".repeat(100))).isEqualTo("\"" + "x".repeat(64) + "…\"");
         assertThat(Text.quote("\ud83e")).isEqualTo("\"\\u{d83e}\"");
     }
 
     private static ClientMessage read(String line) throws BadMessage {
-        return MessageReader.read(ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)), Encoding.JSON);
+        return MessageReader.read(ByteBuffer.wrap(line.getBytes(StandardCharsets.UTF_8)),
+                Encoding.JSON);
     }
 
     /** The message as a client would write it. */
@@ -187,15 +195,18 @@ class MessagesTest {
                 });
             }
             case ClientMessage.Look look -> json.put("sensor", look.sensor());
-            case ClientMessage.Ready ready -> ready.frame().ifPresent(frame -> json.put("frame", frame));
+            case ClientMessage.Ready ready -> ready.frame()
+                    .ifPresent(frame -> json.put("frame", frame));
             case ClientMessage.Step step -> json.put("frames", step.frames());
             case ClientMessage.LoadLaw load -> json.put("library", load.library())
                     .set("parameters", JSON.valueToTree(load.parameters()));
             case ClientMessage.UnloadLaw unload -> json.put("library", unload.library());
-            case ClientMessage.Edit edit -> json.put("item", edit.item()).put("property", edit.property())
+            case ClientMessage.Edit edit -> json.put("item", edit.item())
+                    .put("property", edit.property())
                     .set("value", JSON.valueToTree(edit.value()));
             case ClientMessage.Snapshot snapshot -> json.put("image", snapshot.image());
-            case ClientMessage.Rewind rewind -> rewind.image().ifPresent(image -> json.put("image", image));
+            case ClientMessage.Rewind rewind -> rewind.image()
+                    .ifPresent(image -> json.put("image", image));
             case ClientMessage.Save save -> json.put("file", save.file());
             case ClientMessage.Fork fork -> json.put("frames", fork.frames());
             case ClientMessage.Pause pause -> { }
@@ -223,7 +234,8 @@ class MessagesTest {
         time.fallback().ifPresent(fallback -> {
             ObjectNode act = json.putObject("fallback");
             fallback.item().ifPresent(item -> act.put("item", item));
-            act.put("action", fallback.action()).set("arguments", JSON.valueToTree(fallback.arguments()));
+            act.put("action", fallback.action())
+                    .set("arguments", JSON.valueToTree(fallback.arguments()));
         });
     }
 
@@ -236,27 +248,36 @@ class MessagesTest {
                     json.optional("body").map(JsonNode::stringValue), text(json, "world"),
                     json.get("frame").longValue(), json.get("rate").intValue(),
                     Encoding.of(json.path("encoding").asString("json")).orElseThrow(),
-                    json.optional("time").map(time -> new ServerMessage.Rhythm(time.get("every").intValue(),
-                            time.get("deadline").doubleValue())),
-                    json.optional("session").map(session -> new ServerMessage.Ticket(text(session, "token"),
-                            session.get("graceSeconds").doubleValue())), json.has("resumed"),
+                    json.optional("time")
+                            .map(time -> new ServerMessage.Rhythm(time.get("every").intValue(),
+                                    time.get("deadline").doubleValue())),
+                    json.optional("session")
+                            .map(session ->
+                                    new ServerMessage.Ticket(text(session, "token"),
+                                            session.get("graceSeconds").doubleValue())),
+                    json.has("resumed"),
                     new ServerMessage.Limits(json.at("/limits/lineBytes").intValue(),
                             json.at("/limits/messagesPerSecond").intValue(),
-                            json.at("/limits/actsInFlight").intValue(), json.at("/limits/idleSeconds").doubleValue(),
+                            json.at("/limits/actsInFlight").intValue(),
+                            json.at("/limits/idleSeconds").doubleValue(),
                             json.at("/limits/graceSeconds").doubleValue()));
             case "result" -> json.get("accepted").booleanValue()
                     ? new ServerMessage.Accepted(id, json.get("frame").longValue())
                     : new ServerMessage.Refused(id, text(json, "code"), text(json, "reason"));
             case "image" -> new ServerMessage.Image(id, text(json, "sensor"), new Cameras.Photo(
-                    json.get("frame").longValue(), json.get("time").doubleValue(), json.get("width").intValue(),
-                    json.get("height").intValue(), pixels(json, "colour"), pixels(json, "depth"), pixels(json, "items"),
+                    json.get("frame").longValue(), json.get("time").doubleValue(),
+                    json.get("width").intValue(), json.get("height").intValue(),
+                    pixels(json, "colour"), pixels(json, "depth"), pixels(json, "items"),
                     json.path("names").valueStream().map(JsonNode::stringValue).toList()));
             case "event" -> {
                 var fields = new LinkedHashMap<String, Object>();
-                json.get("fields").properties().forEach(field -> fields.put(field.getKey(), value(field.getValue())));
-                yield new ServerMessage.Event(json.get("frame").longValue(), text(json, "type"), fields);
+                json.get("fields").properties()
+                        .forEach(field -> fields.put(field.getKey(), value(field.getValue())));
+                yield new ServerMessage.Event(json.get("frame").longValue(),
+                        text(json, "type"), fields);
             }
-            case "error" -> new ServerMessage.Error(id, text(json, "code"), text(json, "message"), text(json, "hint"));
+            case "error" -> new ServerMessage.Error(id, text(json, "code"), text(json, "message"),
+                    text(json, "hint"));
             case "ping" -> new ServerMessage.Ping();
             case "pong" -> new ServerMessage.Pong(id);
             case "bye" -> new ServerMessage.Bye(text(json, "code"), text(json, "message"),

@@ -43,11 +43,13 @@ class ObservatoryTest {
             try (var snapshot = ring.acquireLatest().orElseThrow()) {
                 var observatory = new Observatory();
                 assertThat(observatory.read(snapshot)).isTrue();
-                View view = relations ? observatory.withRelations(observatory.everything(), snapshot).orElseThrow()
-                        : observatory.everything();
+                View all = observatory.everything();
+                View view = relations
+                        ? observatory.withRelations(all, snapshot).orElseThrow() : all;
                 var out = new Bytes();
                 new Telling().write(out, Encoding.JSON, ClientMessage.NO_ID, view, null);
-                return Json.MAPPER.readTree(new String(out.toArray(), StandardCharsets.UTF_8)).get("items");
+                return Json.MAPPER.readTree(new String(out.toArray(), StandardCharsets.UTF_8))
+                        .get("items");
             }
         }
     }
@@ -92,7 +94,8 @@ class ObservatoryTest {
             for (int i = 0; i < 150; i++) {
                 world.add(thing(random, "thing-" + i));
             }
-            var remembering = world.items().stream().filter(item -> !item.kind().equals("world")).limit(10)
+            var remembering = world.items().stream()
+                    .filter(item -> !item.kind().equals("world")).limit(10)
                     .map(item -> new Senses(item.id(), sensors)).toList();
             var ring = new SnapshotRing(world, 2);
             var observatory = new Observatory();
@@ -107,9 +110,11 @@ class ObservatoryTest {
                 }
                 var sensed = new ArrayList<List<String>>();
                 for (Senses senses : remembering) {
-                    List<String> names = senses.look(observatory).items().stream().map(Seen::name).toList();
-                    assertThat(names).as("seed %d frame %d", seed, frame).isEqualTo(new Senses(senses.body(), sensors)
-                            .look(fresh).items().stream().map(Seen::name).toList());
+                    List<String> names = senses.look(observatory).items().stream()
+                            .map(Seen::name).toList();
+                    List<String> expected = new Senses(senses.body(), sensors).look(fresh)
+                            .items().stream().map(Seen::name).toList();
+                    assertThat(names).as("seed %d frame %d", seed, frame).isEqualTo(expected);
                     sensed.add(names);
                 }
                 changes += sensed.equals(last) ? 0 : 1;
@@ -121,7 +126,8 @@ class ObservatoryTest {
 
     private static ItemDefinition thing(Random random, String name) {
         return ItemDefinition.named(name).shape(Shape.box(0.5, 1, random.nextDouble(0.1, 2)))
-                .at(random.nextDouble(-8, 8), random.nextDouble(-8, 8), random.nextDouble(-8, 8)).build();
+                .at(random.nextDouble(-8, 8), random.nextDouble(-8, 8), random.nextDouble(-8, 8))
+                .build();
     }
 
     private static void drift(Random random, World world, int frame, double way) {

@@ -17,7 +17,8 @@ class OutboxTest {
         outbox.offerLatest(2, view(20));
         outbox.offerAnswer(1, view(10));
         outbox.offer(bytes("event"));
-        assertThat(List.of(take(), take(), take())).containsExactly("event", "perception 1", "perception 2");
+        assertThat(List.of(take(), take(), take()))
+                .containsExactly("event", "perception 1", "perception 2");
         assertThat(outbox.isEmpty()).isTrue();
     }
 
@@ -80,7 +81,8 @@ class OutboxTest {
     void aDifferenceIsToWhatTheClientWasHandedLastHoweverManyItMissed() {
         outbox.offerLatest(1, view(1));
         outbox.offerLatest(1, view(2));
-        assertThat(outbox.poll()).as("nobody has read the first").isEqualTo(new Outbox.Perception(1, view(2), null));
+        assertThat(outbox.poll()).as("nobody has read the first")
+                .isEqualTo(new Outbox.Perception(1, view(2), null));
         outbox.offerLatest(1, view(3));
         outbox.offerLatest(1, view(4));
         assertThat(outbox.poll()).isEqualTo(new Outbox.Perception(1, view(4), view(2)));

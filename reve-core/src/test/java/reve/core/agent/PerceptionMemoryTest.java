@@ -14,7 +14,9 @@ import reve.core.world.ItemDefinition;
 import reve.core.world.Sensor;
 import reve.core.world.Shape;
 
-/** What the event loop leaves to the collector of garbage, which stops the world when there is much. */
+/**
+ * What the event loop leaves to the collector of garbage, which stops the world when there is much.
+ */
 class PerceptionMemoryTest {
 
     private static final int AGENTS = 20;
@@ -29,15 +31,20 @@ class PerceptionMemoryTest {
         var items = new ArrayList<ItemDefinition>();
         for (int i = 0; i < AGENTS; i++) {
             bodies.add("agent-" + i);
-            items.add(ItemDefinition.named("agent-" + i).at(0, i, 0).sensor(Sensor.sight("eyes", 100)).build());
+            items.add(ItemDefinition.named("agent-" + i).at(0, i, 0)
+                    .sensor(Sensor.sight("eyes", 100)).build());
         }
         for (int i = AGENTS; i < ITEMS; i++) {
-            items.add(ItemDefinition.named("item-" + i).shape(Shape.sphere(0.5)).at(i, 0, 0).build());
+            items.add(ItemDefinition.named("item-" + i).shape(Shape.sphere(0.5))
+                    .at(i, 0, 0).build());
         }
-        try (var room = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(bodies, Optional.empty()), 64, items)) {
+        try (var room = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(bodies, Optional.empty()),
+                64, items)) {
             var clients = new ArrayList<TestClient>();
             for (String body : bodies) {
-                clients.add(room.connect().say("{'t':'hello','protocol':1,'name':'" + body + "','body':'" + body + "'}")
+                clients.add(room.connect()
+                        .say("{'t':'hello','protocol':1,'name':'" + body + "','body':'"
+                                + body + "'}")
                         .say("{'t':'perceive','every':1}").sync());
             }
             frames(room, clients, 400);
@@ -53,7 +60,8 @@ class PerceptionMemoryTest {
     }
 
     /** Makes frames, each when everybody has perceived the one before. */
-    private static void frames(AgentRoom room, List<TestClient> clients, int count) throws IOException {
+    private static void frames(AgentRoom room, List<TestClient> clients, int count)
+            throws IOException {
         for (int frame = 0; frame < count; frame++) {
             for (int i = 0; i < MOVING; i++) {
                 room.item("item-" + (ITEMS - 1 - i)).physical().setLocation(i, frame, 1);
@@ -67,7 +75,8 @@ class PerceptionMemoryTest {
 
     private static long allocatedByEventLoop() {
         var threads = (ThreadMXBean) ManagementFactory.getThreadMXBean();
-        return Thread.getAllStackTraces().keySet().stream().filter(thread -> thread.getName().equals("agents"))
+        return Thread.getAllStackTraces().keySet().stream()
+                .filter(thread -> thread.getName().equals("agents"))
                 .mapToLong(thread -> threads.getThreadAllocatedBytes(thread.threadId())).sum();
     }
 }

@@ -68,30 +68,34 @@ class QuotaTest {
     private static AgentServerConfig config(int messagesPerSecond, Duration flood) {
         AgentServerConfig c = AgentRoom.CONFIG;
         AgentLimits l = c.limits();
-        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(), messagesPerSecond,
-                l.actsInFlight(), l.outboxMessages(), l.outboxBytes(), l.maxErrors());
+        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
+                messagesPerSecond, l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
+                l.maxErrors());
         AgentTimeouts t = c.timeouts();
-        var timeouts = new AgentTimeouts(t.hello(), t.line(), t.idle(), flood, t.write(), t.grace(), t.deadline(),
-                t.linger());
+        var timeouts = new AgentTimeouts(t.hello(), t.line(), t.idle(), flood, t.write(), t.grace(),
+                t.deadline(), t.linger());
         return new AgentServerConfig(c.address(), limits, timeouts, c.audit(), c.security());
     }
 
     /** Messages, one a line, whose ids are 1, 2, … */
     private static String numbered(String message, int count) {
-        return IntStream.rangeClosed(1, count).mapToObj(message::formatted).collect(Collectors.joining("\n"));
+        return IntStream.rangeClosed(1, count).mapToObj(message::formatted)
+                .collect(Collectors.joining("\n"));
     }
 
     @Test
     void whatIsTooMuchWaitsAndNothingIsLost() throws IOException {
         int perSecond = 4000;
         int messages = 6000;
-        try (AgentRoom room = new AgentRoom(config(perSecond, Duration.ofMinutes(1))); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = new AgentRoom(config(perSecond, Duration.ofMinutes(1)));
+                TestClient ada = room.join("ada")) {
             long began = System.nanoTime();
             ada.say(numbered("{'t':'ping','id':%d}", messages));
             for (int i = 1; i <= messages; i++) {
                 assertThat(ada.expect("pong").get("id").intValue()).isEqualTo(i);
             }
-            double least = (double) (messages - perSecond) / perSecond; // if a second's worth was left
+            // if a second's worth was left
+            double least = (double) (messages - perSecond) / perSecond;
             assertThat((System.nanoTime() - began) * 1e-9).as("seconds").isGreaterThan(least);
             ada.say("{'t':'bye'}").skipToBye("goodbye");
         }
@@ -101,7 +105,8 @@ class QuotaTest {
     void whoAlwaysSendsMoreIsCutWhateverItSends() throws IOException {
         for (String message : List.of("{'t':'ping','id':%d}", "{'t':'perceive','every':%d}",
                 "{'t':'act','id':%d,'item':'duck','action':'wind-up'}")) {
-            try (AgentRoom room = new AgentRoom(config(300, FLOOD)); TestClient ada = room.join("ada")) {
+            try (AgentRoom room = new AgentRoom(config(300, FLOOD));
+                    TestClient ada = room.join("ada")) {
                 ada.say(numbered(message, 3000)).skipToBye("too-many-messages");
                 assertThat(room.server.stats().cut()).isEqualTo(1);
             }
@@ -110,7 +115,8 @@ class QuotaTest {
 
     @Test
     void whoWaitsForAnswersInBetweenIsNotCut() throws IOException {
-        try (AgentRoom room = new AgentRoom(config(3000, Duration.ofSeconds(1))); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = new AgentRoom(config(3000, Duration.ofSeconds(1)));
+                TestClient ada = room.join("ada")) {
             for (long end = System.nanoTime() + 2 * SECOND; System.nanoTime() < end;) {
                 ada.say(numbered("{'t':'ping','id':%d}", 200));
                 for (int i = 1; i <= 200; i++) {
@@ -121,7 +127,10 @@ class QuotaTest {
         }
     }
 
-    /** Floods for as long as the good agents need, and until they are cut, each by a client that comes again. */
+    /**
+     * Floods for as long as the good agents need, and until they are cut, each by a
+     * client that comes again.
+     */
     @Test
     void floodsCostTheOthersNoneOfTheirActs() throws Exception {
         int rounds = 200;
@@ -155,7 +164,8 @@ class QuotaTest {
         int cut = 0;
         for (; cut == 0 || !over.get(); cut++) {
             try (TestClient client = room.connect()) {
-                client.say("{'t':'hello','protocol':1,'name':'" + name + "-" + cut + "'}").skipTo("welcome");
+                client.say("{'t':'hello','protocol':1,'name':'" + name + "-" + cut + "'}")
+                        .skipTo("welcome");
                 client.say(numbered("{'t':'ping','id':%d}", 3000)).skipToBye("too-many-messages");
             }
         }

@@ -57,7 +57,8 @@ class RefusalsTest {
             try (TestClient back = room.connect()) {
                 back.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
                         + welcome.at("/session/token").stringValue() + "','frame':1}}");
-                assertThat(back.expectBye("resume-too-late").get("hint").stringValue()).contains("without resume");
+                assertThat(back.expectBye("resume-too-late").get("hint").stringValue())
+                        .contains("without resume");
             }
         }
     }
@@ -68,17 +69,21 @@ class RefusalsTest {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             for (int id = 0; id <= IMAGES; id++) {
                 JsonNode result = snapshot(room, boss, id, "image " + id);
-                assertThat(result.get("accepted").booleanValue()).as("%s", result).isEqualTo(id < IMAGES);
+                assertThat(result.get("accepted").booleanValue()).as("%s", result)
+                        .isEqualTo(id < IMAGES);
                 if (id == IMAGES) {
                     assertThat(result.get("code").stringValue()).isEqualTo("too-many-images");
-                    assertThat(result.get("reason").stringValue()).contains("32 images", "image 7", "replaces");
+                    assertThat(result.get("reason").stringValue())
+                            .contains("32 images", "image 7", "replaces");
                 }
             }
-            assertThat(snapshot(room, boss, 100, "image 7").get("accepted").booleanValue()).isTrue();
+            assertThat(snapshot(room, boss, 100, "image 7").get("accepted").booleanValue())
+                    .isTrue();
         }
     }
 
-    private static JsonNode snapshot(AgentRoom room, TestClient boss, int id, String name) throws IOException {
+    private static JsonNode snapshot(AgentRoom room, TestClient boss, int id, String name)
+            throws IOException {
         boss.say("{'t':'snapshot','id':" + id + ",'image':'" + name + "'}");
         room.stepUntil("it is answered", boss::hasNews);
         return boss.expect("result");

@@ -91,7 +91,8 @@ class RewindTest {
                 seen = boss.skipTo("perception").get("frame").longValue();
             }
             for (int id = 4; id < 200; id++) {
-                long frame = boss.say("{'t':'step','id':" + id + "}").expect("result").get("frame").longValue();
+                long frame = boss.say("{'t':'step','id':" + id + "}").expect("result").get("frame")
+                        .longValue();
                 assertThat(boss.expect("perception").get("frame").longValue()).isEqualTo(frame);
             }
         }
@@ -159,11 +160,13 @@ class RewindTest {
 
     @Test
     void whoSensesGoesOnSensingFromTheBodyThatItHasThen() throws IOException {
-        ItemDefinition body = ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5)).at(0, 0.5, 0)
-                .sensor(Sensor.sight("eyes", 5)).build();
-        try (AgentRoom sensing = new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(List.of(), Optional.of(body)), 64);
+        ItemDefinition body = ItemDefinition.named("body").shape(Shape.box(0.5, 1, 0.5))
+                .at(0, 0.5, 0).sensor(Sensor.sight("eyes", 5)).build();
+        try (AgentRoom sensing = new AgentRoom(AgentRoom.CONFIG,
+                new AgentPolicy(List.of(), Optional.of(body)), 64);
                 TestClient chief = control(sensing); TestClient ada = sensing.join("ada")) {
-            sensing.world.add(ItemDefinition.named("far").shape(Shape.sphere(1)).at(50, 0, 0).build());
+            sensing.world.add(ItemDefinition.named("far").shape(Shape.sphere(1))
+                    .at(50, 0, 0).build());
             ada.say("{'t':'perceive','id':1,'every':1}").sync();
             sensing.step();
             ada.skipTo("perception");
@@ -173,7 +176,8 @@ class RewindTest {
             chief.say("{'t':'rewind','id':1}").sync();
             sensing.step();
             JsonNode seen = ada.skipTo("perception");
-            assertThat(seen.get("items").toString()).contains("duck").contains("ada").doesNotContain("far");
+            assertThat(seen.get("items").toString()).contains("duck").contains("ada")
+                    .doesNotContain("far");
         }
     }
 
@@ -186,7 +190,8 @@ class RewindTest {
             rewind("full");
             ada.skipToBye("name-taken");
             assertThat(boss.skipTo("event").get("type").stringValue()).isEqualTo("rewound");
-            assertThat(boss.skipTo("event").at("/fields/reason").stringValue()).isEqualTo("rewound");
+            assertThat(boss.skipTo("event").at("/fields/reason").stringValue())
+                    .isEqualTo("rewound");
             assertThat(room.item("ada").physical().location()).containsExactly(9, 9, 9);
         }
     }

@@ -35,15 +35,16 @@ import reve.core.world.Shape;
 import tools.jackson.databind.JsonNode;
 
 /**
- * Random operations of clients with all kinds of tokens against a small model of their rights: every answer, every
- * perception and every effect is as the model says.
+ * Random operations of clients with all kinds of tokens against a small model of their rights:
+ * every answer, every perception and every effect is as the model says.
  */
 class RightsModelTest {
 
     /** How many; a million for a whole run. */
     private static final int OPERATIONS = Integer.getInteger("reve.abuse.operations", 20_000);
 
-    private static final Parameter IMPULSE = Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
+    private static final Parameter IMPULSE =
+            Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");
     private static final Parameter OTHER = Parameter.item("other", "Which.");
     private static final List<String> CAPABILITIES = List.of("lift", "push", "fly");
     private static final List<String> LENT = List.of("boat", "raft", "kite");
@@ -53,21 +54,24 @@ class RightsModelTest {
     // ---- the world, as data for both the real one and the model ----
 
     /** @param needs capabilities by action; every action pushes its item by 1 N s */
-    private record Thing(String name, double x, Set<String> capabilities, boolean sensing, boolean sensesActions,
-            Map<String, List<String>> needs) {
+    private record Thing(String name, double x, Set<String> capabilities, boolean sensing,
+            boolean sensesActions, Map<String, List<String>> needs) {
 
         ItemDefinition definition() {
-            ItemDefinition.Builder item = ItemDefinition.named(name).shape(Shape.sphere(0.25)).at(x, 0, 0)
-                    .physics("mass", 1).physics("velocity", 0, 0, 0);
+            ItemDefinition.Builder item = ItemDefinition.named(name).shape(Shape.sphere(0.25))
+                    .at(x, 0, 0).physics("mass", 1).physics("velocity", 0, 0, 0);
             capabilities.forEach(item::capability);
             if (sensing) {
                 Sensor eyes = Sensor.sight("eyes", NEAR);
-                item.sensor(sensesActions ? eyes : new Sensor("eyes", false, NEAR, Sensor.ALL_ROUND, false, 1,
-                        Optional.empty(), EnumSet.of(Sensor.Aspect.PHYSICAL, Sensor.Aspect.SEMANTIC), Optional.empty()));
+                item.sensor(sensesActions ? eyes : new Sensor("eyes", false, NEAR, Sensor.ALL_ROUND,
+                        false, 1, Optional.empty(),
+                        EnumSet.of(Sensor.Aspect.PHYSICAL, Sensor.Aspect.SEMANTIC),
+                        Optional.empty()));
             }
             needs.forEach((action, capable) -> item.action(new DeclaredAction(action, "Pushes it.",
                     action.equals("throw") ? List.of(IMPULSE, OTHER) : List.of(IMPULSE),
-                    new Terms(capable, List.of()), List.of(new Effect.Impulse(new Operand.Argument(IMPULSE))))));
+                    new Terms(capable, List.of()),
+                    List.of(new Effect.Impulse(new Operand.Argument(IMPULSE))))));
             return item.build();
         }
     }
@@ -77,10 +81,13 @@ class RightsModelTest {
             new Thing("boat", 0, Set.of("lift", "push"), true, true, NO_NEEDS),
             new Thing("raft", 1, Set.of("push"), true, false, NO_NEEDS),
             new Thing("kite", 2, Set.of("fly", "lift"), false, true, NO_NEEDS),
-            new Thing("duck", 5, Set.of(), false, true, Map.of("push", List.of(), "throw", List.of())),
-            new Thing("crate", 6, Set.of(), false, true, Map.of("push", List.of("lift"), "throw", List.of("push"))),
+            new Thing("duck", 5, Set.of(), false, true,
+                    Map.of("push", List.of(), "throw", List.of())),
+            new Thing("crate", 6, Set.of(), false, true,
+                    Map.of("push", List.of("lift"), "throw", List.of("push"))),
             new Thing("gem", 7, Set.of(), false, true, Map.of("push", List.of("lift", "fly"))),
-            new Thing("star", 500, Set.of(), false, true, Map.of("push", List.of(), "throw", List.of("fly"))));
+            new Thing("star", 500, Set.of(), false, true,
+                    Map.of("push", List.of(), "throw", List.of("fly"))));
     private static final Map<String, Thing> BY_NAME = new HashMap<>();
     private static final List<String> ITEMS = new ArrayList<>(List.of("nothing"));
     private static final List<String> ACTIONS = List.of("push", "throw", "explode");
@@ -113,7 +120,8 @@ class RightsModelTest {
         }
 
         boolean senses(Thing thing) {
-            return body.isEmpty() || !body.get().sensing || Math.abs(body.get().x - thing.x) <= NEAR;
+            return body.isEmpty() || !body.get().sensing
+                    || Math.abs(body.get().x - thing.x) <= NEAR;
         }
 
         /** What becomes of an act: a code, or empty if it is done. */
@@ -132,7 +140,8 @@ class RightsModelTest {
                 return "no-such-item";
             }
             for (String need : thing.needs.get(action)) {
-                if (!mine.capabilities.contains(need) || !opens(holder.rights.capabilities(), need)) {
+                if (!mine.capabilities.contains(need)
+                        || !opens(holder.rights.capabilities(), need)) {
                     return "not-capable";
                 }
             }
@@ -172,7 +181,8 @@ class RightsModelTest {
                 act();
             }
             for (Thing thing : THINGS) {
-                assertThat(room.item(thing.name).physics().vector("velocity")[0]).as("pushes of %s", thing.name)
+                assertThat(room.item(thing.name).physics().vector("velocity")[0])
+                        .as("pushes of %s", thing.name)
                         .isEqualTo(pushes.getOrDefault(thing.name, 0.0));
             }
             for (Client client : List.copyOf(clients.values())) {
@@ -180,8 +190,9 @@ class RightsModelTest {
             }
         }
         System.out.println(operations + " operations: " + seen);
-        assertThat(seen.keySet()).contains("done", "bad-token", "not-permitted", "no-such-item", "no-such-action",
-                "not-capable", "again", "perceived");
+        assertThat(seen.keySet())
+                .contains("done", "bad-token", "not-permitted", "no-such-item", "no-such-action",
+                        "not-capable", "again", "perceived");
     }
 
     private Path issueTokens() throws IOException {
@@ -189,7 +200,8 @@ class RightsModelTest {
         for (int i = 0; i < 12; i++) {
             Rights rights = new Rights(some(List.of(Role.values()), 0.5).orElse(Set.of(Role.AGENT)),
                     i % 4 == 3 ? Optional.of(Set.of("sea")) : some(List.of("pond"), 1),
-                    i % 2 == 0 ? Optional.empty() : some(LENT, 0.6), some(CAPABILITIES, 0.6), false);
+                    i % 2 == 0 ? Optional.empty() : some(LENT, 0.6),
+                    some(CAPABILITIES, 0.6), false);
             AgentToken.Issued issued = AgentToken.issue("agent" + i % 8, rights, Optional.empty());
             TokenFile.add(file, issued.token());
             holders.add(new Holder(issued.token().name(), issued.secret(), rights));
@@ -232,11 +244,12 @@ class RightsModelTest {
         hello(holder, name, role, body, secret);
     }
 
-    private void hello(Holder holder, String name, Role role, Optional<String> body, Optional<String> secret)
-            throws IOException {
+    private void hello(Holder holder, String name, Role role, Optional<String> body,
+            Optional<String> secret) throws IOException {
         boolean right = secret.isPresent() && secret.get().equals(holder.secret);
         TestClient connection = new TestClient(connected(!right));
-        connection.say("{'t':'hello','protocol':1,'name':'" + name + "','role':'" + role.wireName() + "'"
+        connection.say("{'t':'hello','protocol':1,'name':'" + name + "'"
+                + ",'role':'" + role.wireName() + "'"
                 + body.map(item -> ",'body':'" + item + "'").orElse("")
                 + secret.map(token -> ",'token':'" + token + "'").orElse("") + "}");
         room.stepUntil("hello is answered", connection::hasNews);
@@ -251,18 +264,24 @@ class RightsModelTest {
             return;
         }
         assertThat(answer.get("t").stringValue()).as("%s", answer).isEqualTo("welcome");
-        assertThat(answer.path("body").asString("")).isEqualTo(client.body.map(Thing::name).orElse(""));
+        assertThat(answer.path("body").asString(""))
+                .isEqualTo(client.body.map(Thing::name).orElse(""));
         clients.put(name, client);
         count("welcome");
     }
 
-    /** What becomes of a hello: a code, or empty if it is welcome, and then the model's client has its body. */
-    private String verdict(Holder holder, String name, Role role, Optional<String> body, boolean right, Client client) {
+    /**
+     * What becomes of a hello: a code, or empty if it is welcome, and then the model's
+     * client has its body.
+     */
+    private String verdict(Holder holder, String name, Role role, Optional<String> body,
+            boolean right, Client client) {
         if (!right) {
             return "bad-token";
         }
         Rights rights = holder.rights;
-        if (!holder.name.equals(name) || !rights.roles().contains(role) || !opens(rights.worlds(), "pond")) {
+        if (!holder.name.equals(name) || !rights.roles().contains(role)
+                || !opens(rights.worlds(), "pond")) {
             return "not-permitted";
         }
         if (clients.containsKey(name)) {
@@ -284,18 +303,23 @@ class RightsModelTest {
             client.body = Optional.of(BY_NAME.get(wanted));
             return taken.contains(wanted) ? "body-taken" : "";
         }
-        client.body = LENT.stream().filter(item -> !taken.contains(item) && opens(rights.bodies(), item)).findFirst()
+        client.body = LENT.stream()
+                .filter(item -> !taken.contains(item) && opens(rights.bodies(), item)).findFirst()
                 .map(BY_NAME::get);
         return client.body.isEmpty() ? "no-body-free" : "";
     }
 
-    /** Wrong tokens come from an address of their own, so that their limit does not stop the others. */
+    /**
+     * Wrong tokens come from an address of their own, so that their limit does not stop the others.
+     */
     private Socket connected(boolean fromElsewhere) throws IOException {
         var socket = new Socket();
         if (fromElsewhere) {
             wrongTokens++;
-            socket.bind(new InetSocketAddress(InetAddress.getByAddress(new byte[] {127, (byte) (1 + wrongTokens / 60_000),
-                (byte) (wrongTokens / 250), (byte) (1 + wrongTokens % 250)}), 0));
+            InetAddress elsewhere = InetAddress.getByAddress(new byte[] {
+                127, (byte) (1 + wrongTokens / 60_000),
+                (byte) (wrongTokens / 250), (byte) (1 + wrongTokens % 250)});
+            socket.bind(new InetSocketAddress(elsewhere, 0));
         }
         socket.connect(room.server.address());
         return socket;
@@ -347,8 +371,8 @@ class RightsModelTest {
                 return expected;
             } else if (random.nextInt(12) == 0 && client.errors < MAX_ERRORS) {
                 long id = ++client.lastId;
-                client.connection.say("{'t':'edit','id':" + id + ",'item':'duck','property':'semantic.note','value':"
-                        + id + "}");
+                client.connection.say("{'t':'edit','id':" + id
+                        + ",'item':'duck','property':'semantic.note','value':" + id + "}");
                 expected.put(id, client.role == Role.CONTROL ? "edited" : "not-permitted");
                 client.errors += client.role == Role.CONTROL ? 0 : 1;
             } else if (client.role == Role.AGENT || client.errors < MAX_ERRORS) {
@@ -381,7 +405,8 @@ class RightsModelTest {
 
     private static String act(long id, String item, String action, String other) {
         return "{'t':'act','id':" + id + ",'item':'" + item + "','action':'" + action
-                + "','arguments':{'impulse':[1,0,0]" + (action.equals("throw") ? ",'other':'" + other + "'" : "") + "}}";
+                + "','arguments':{'impulse':[1,0,0]"
+                + (action.equals("throw") ? ",'other':'" + other + "'" : "") + "}}";
     }
 
     private long perceive(Client client) throws IOException {
@@ -403,12 +428,18 @@ class RightsModelTest {
             switch (type) {
                 case "perception" -> {
                     assertThat(wanted).isEqualTo("perceived");
-                    assertThat(names(message)).as("what %s perceives", client.holder).isEqualTo(sensed(client));
+                    assertThat(names(message)).as("what %s perceives", client.holder)
+                            .isEqualTo(sensed(client));
                 }
-                case "result" -> assertThat(message.get("accepted").booleanValue() ? client.role == Role.CONTROL
-                        ? "edited" : "done" : message.get("code").stringValue())
-                        .as("%s with %s gets %s", client.holder, client.body, message).isEqualTo(wanted);
-                default -> assertThat(message.path("code").asString("")).as("%s", message).isEqualTo(wanted);
+                case "result" -> {
+                    String done = client.role == Role.CONTROL ? "edited" : "done";
+                    assertThat(message.get("accepted").booleanValue()
+                            ? done : message.get("code").stringValue())
+                            .as("%s with %s gets %s", client.holder, client.body, message)
+                            .isEqualTo(wanted);
+                }
+                default -> assertThat(message.path("code").asString("")).as("%s", message)
+                        .isEqualTo(wanted);
             }
             count(wanted);
         }

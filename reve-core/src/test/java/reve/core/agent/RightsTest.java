@@ -40,7 +40,8 @@ class RightsTest {
         issue("nobody", new Rights(Set.of(Role.OBSERVER), ANY, ANY, ANY, false));
         AgentServerConfig config = AgentServerConfig.on(AgentRoom.CONFIG.address(),
                 new AgentSecurity(Optional.of(TokenFile.open(file, () -> now)), Optional.empty()));
-        room = new AgentRoom(config, new AgentPolicy(List.of("boat", "raft"), AgentRoom.making().template()), 4096,
+        room = new AgentRoom(config,
+                new AgentPolicy(List.of("boat", "raft"), AgentRoom.making().template()), 4096,
                 List.of(AgentRoom.duck(), item("boat"), item("raft"), crate()));
     }
 
@@ -78,7 +79,8 @@ class RightsTest {
 
     /** Says hello and waits for the answer. */
     private TestClient hello(String name, String rest) throws IOException {
-        TestClient client = room.connect().say("{'t':'hello','protocol':1,'name':'" + name + "'" + rest + "}");
+        TestClient client = room.connect()
+                .say("{'t':'hello','protocol':1,'name':'" + name + "'" + rest + "}");
         room.stepUntil("hello was answered", client::hasNews);
         return client;
     }
@@ -132,7 +134,8 @@ class RightsTest {
         refused("ada", lockStep + issue("ada", agent(ANY, ANY, ANY)) + "'", "not-permitted");
         String bob = issue("bob", new Rights(Set.of(Role.AGENT), ANY, ANY, ANY, true));
         try (TestClient client = hello("bob", lockStep + bob + "'")) {
-            assertThat(client.expect("welcome").get("time").get("mode").stringValue()).isEqualTo("lock-step");
+            assertThat(client.expect("welcome").get("time").get("mode").stringValue())
+                    .isEqualTo("lock-step");
         }
     }
 
@@ -163,7 +166,8 @@ class RightsTest {
             room.step();
             JsonNode refusal = weak.skipTo("result");
             assertThat(refusal.path("code").asString("")).isEqualTo("not-capable");
-            assertThat(refusal.get("reason").stringValue()).contains("only `push`").contains("token");
+            assertThat(refusal.get("reason").stringValue()).contains("only `push`")
+                    .contains("token");
             assertThat(strong.skipTo("result").get("accepted").booleanValue()).isTrue();
         }
     }
@@ -193,7 +197,8 @@ class RightsTest {
             try (TestClient client = hello("ada", ",'token':'" + "0".repeat(32) + "'")) {
                 last = client.expect("bye").get("code").stringValue();
                 assertThat(last).isIn("bad-token", "too-many-attempts");
-                assertThat(i < Attempts.BURST && !last.equals("bad-token")).as("attempt %s was %s", i, last).isFalse();
+                assertThat(i < Attempts.BURST && !last.equals("bad-token"))
+                        .as("attempt %s was %s", i, last).isFalse();
             }
         }
         assertThat(last).isEqualTo("too-many-attempts");

@@ -42,8 +42,9 @@ class SensedWorldTest {
                     int eye = random.nextInt(items);
                     int row = random.nextInt(items);
                     boolean sees = sees(bodies, eye, row);
-                    assertThat(sensed.senses(sensor, eye, row)).as("seed %d, %d items, %d sees %d", seed, items, eye,
-                            row).isEqualTo(sees);
+                    assertThat(sensed.senses(sensor, eye, row))
+                            .as("seed %d, %d items, %d sees %d", seed, items, eye, row)
+                            .isEqualTo(sees);
                     seen += sees ? 1 : 0;
                     hidden += sees ? 0 : 1;
                 }
@@ -65,12 +66,18 @@ class SensedWorldTest {
             case 0 -> item.build();
             case 1 -> item.shape(Shape.box(1, 1, 1)).build();
             case 2 -> item.shape(Shape.sphere(random.nextDouble(0.1, 1))).build();
-            default -> item.shape(Shape.box(random.nextDouble(0.1, 4), 0.5, random.nextDouble(0.1, 4)))
-                    .orientation(random.nextGaussian(), random.nextGaussian(), random.nextGaussian(), 1).build();
+            default -> item
+                    .shape(Shape.box(random.nextDouble(0.1, 4), 0.5, random.nextDouble(0.1, 4)))
+                    .orientation(random.nextGaussian(), random.nextGaussian(),
+                            random.nextGaussian(), 1)
+                    .build();
         };
     }
 
-    /** The nearest point of the box, its middle and its corners: whether one is in reach and not hidden. */
+    /**
+     * The nearest point of the box, its middle and its corners: whether one is in reach
+     * and not hidden.
+     */
     private static boolean sees(Table bodies, int eye, int row) {
         double[] from = read(bodies, "position", eye);
         double[] low = read(bodies, "boundsMin", row);
@@ -93,8 +100,10 @@ class SensedWorldTest {
 
     private static boolean isHidden(Table bodies, int eye, int row, double[] from, double[] to) {
         for (int other = 0; other < bodies.rowCount(); other++) {
-            if (other != eye && other != row && bodies.column("shape").getInt(other, 0) != Shape.NONE
-                    && isBetween(from, to, read(bodies, "boundsMin", other), read(bodies, "boundsMax", other))) {
+            if (other != eye && other != row
+                    && bodies.column("shape").getInt(other, 0) != Shape.NONE
+                    && isBetween(from, to, read(bodies, "boundsMin", other),
+                            read(bodies, "boundsMax", other))) {
                 return true;
             }
         }

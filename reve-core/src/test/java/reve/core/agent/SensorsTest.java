@@ -43,15 +43,16 @@ class SensorsTest {
 
     @Test
     void aRangeIsMeasuredToTheNearestPointOfTheBox() throws IOException {
-        assertThat(sensed(Sensor.sight("eyes", 5), box("near", 7, 0, 0, 4), box("far", 7.1, 0, 0, 4)))
+        assertThat(sensed(Sensor.sight("eyes", 5), box("near", 7, 0, 0, 4),
+                box("far", 7.1, 0, 0, 4)))
                 .containsExactly("ada", "near");
     }
 
     @Test
     void theFieldOfViewIsAroundTheBodysOwnZ() throws IOException {
         Sensor eyes = Sensor.sight("eyes", 100).withFieldOfView(Math.PI / 2);
-        ItemDefinition[] around = {ball("ahead", 0, 0, 9), ball("left", 9, 0, 0), ball("behind", 0, 0, -9),
-            ball("edge", 8.9, 0, 9)};
+        ItemDefinition[] around = {ball("ahead", 0, 0, 9), ball("left", 9, 0, 0),
+                ball("behind", 0, 0, -9), ball("edge", 8.9, 0, 9)};
         assertThat(sensed(eyes, around)).containsExactly("ada", "ahead", "edge");
         assertThat(sensed(body(eyes).orientation(0, QUARTER_TURN, 0, QUARTER_TURN).build(), around))
                 .containsExactly("ada", "left", "edge");
@@ -60,20 +61,23 @@ class SensorsTest {
     @Test
     void aBoxHidesWhatIsWhollyBehindIt() throws IOException {
         Sensor eyes = Sensor.sight("eyes", 100).withLineOfSight();
-        assertThat(sensed(eyes, box("wall", 0, 0, 5, 2), ball("hidden", 0, 0, 9), ball("beside", 9, 0, 9),
-                box("peeking", 0, 0, 12, 8))).containsExactly("ada", "wall", "beside", "peeking");
+        assertThat(sensed(eyes, box("wall", 0, 0, 5, 2), ball("hidden", 0, 0, 9),
+                ball("beside", 9, 0, 9), box("peeking", 0, 0, 12, 8)))
+                .containsExactly("ada", "wall", "beside", "peeking");
     }
 
     @Test
     void aBoxThatHoldsTheEyeHidesNothingAndAPointHidesNothing() throws IOException {
         Sensor eyes = Sensor.sight("eyes", 100).withLineOfSight();
-        assertThat(sensed(eyes, box("room", 0, 0, 0, 30), place("mark", 0, 0, 4), ball("ball", 0, 0, 9)))
+        assertThat(sensed(eyes, box("room", 0, 0, 0, 30), place("mark", 0, 0, 4),
+                ball("ball", 0, 0, 9)))
                 .containsExactly("ada", "room", "mark", "ball");
     }
 
     @Test
     void touchSensesWhatTheBodysBoxComesCloseTo() throws IOException {
-        assertThat(sensed(Sensor.touch("skin"), box("touching", 1.5, 0, 0, 2), box("apart", -1.6, 0, 0, 2)))
+        assertThat(sensed(Sensor.touch("skin"), box("touching", 1.5, 0, 0, 2),
+                box("apart", -1.6, 0, 0, 2)))
                 .containsExactly("ada", "touching");
     }
 
@@ -81,9 +85,11 @@ class SensorsTest {
     void onlyTheSymbolsAndAspectsOfTheSensorAreSent() throws IOException {
         Sensor eyes = Sensor.sight("eyes", 100).withSymbols(Set.of("class", "smell"))
                 .withAspects(EnumSet.of(Aspect.SEMANTIC));
-        try (AgentRoom room = room(body(eyes).build(), AgentRoom.duck()); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = room(body(eyes).build(), AgentRoom.duck());
+                TestClient ada = room.join("ada")) {
             JsonNode duck = perceive(room, ada).get("items").get(0);
-            assertThat(duck).isEqualTo(TestClient.json("{'name':'duck','symbols':{'class':'toy'}}"));
+            assertThat(duck)
+                    .isEqualTo(TestClient.json("{'name':'duck','symbols':{'class':'toy'}}"));
         }
     }
 
@@ -96,15 +102,18 @@ class SensorsTest {
         try (AgentRoom room = room(body, ball("close", 2, 0, 0), ball("away", 50, 0, 0));
                 TestClient ada = room.join("ada")) {
             JsonNode items = perceive(room, ada).get("items");
-            assertThat(items.get(0)).isEqualTo(TestClient.json("{'name':'close','location':[2.0,0.0,0.0],"
-                    + "'symbols':{'class':'body'},'actions':{}}"));
-            assertThat(items.get(1)).isEqualTo(TestClient.json("{'name':'away','location':[50.0,0.0,0.0]}"));
+            assertThat(items.get(0))
+                    .isEqualTo(TestClient.json("{'name':'close','location':[2.0,0.0,0.0],"
+                            + "'symbols':{'class':'body'},'actions':{}}"));
+            assertThat(items.get(1))
+                    .isEqualTo(TestClient.json("{'name':'away','location':[50.0,0.0,0.0]}"));
         }
     }
 
     @Test
     void aSlowSensorKeepsWhatItSensedUntilItIsItsTurn() throws IOException {
-        try (AgentRoom room = room(body(Sensor.sight("eyes", 100).withEvery(3)).build(), ball("ball", 1, 0, 0));
+        try (AgentRoom room = room(body(Sensor.sight("eyes", 100).withEvery(3)).build(),
+                ball("ball", 1, 0, 0));
                 TestClient ada = room.join("ada")) {
             var seen = new ArrayList<Double>();
             for (int i = 0; i < 7; i++) {
@@ -120,20 +129,23 @@ class SensorsTest {
     @Test
     void anEventAboutWhatIsNotSensedIsNotHeardAndUnsensedNamesAreLeftOut() throws IOException {
         ItemDefinition bell = ItemDefinition.named("bell").shape(Shape.sphere(1)).at(0, 0, 3)
-                .action(new DeclaredAction("ring", "Rings.", List.of(), List.of(new Effect.Raise("rang", "ring"))))
+                .action(new DeclaredAction("ring", "Rings.", List.of(),
+                        List.of(new Effect.Raise("rang", "ring"))))
                 .build();
         var policy = new AgentPolicy(List.of("mole", "owl"), Optional.empty());
         ItemDefinition mole = body("mole", Sensor.sight("nose", 5)).build();
         ItemDefinition owl = body("owl", Sensor.sight("eyes", 500)).at(0, 90, 0).build();
         ItemDefinition gong = ItemDefinition.named("gong").shape(Shape.sphere(1)).at(0, 95, 0)
                 .action(bell.actions().getFirst()).build();
-        try (AgentRoom room = new AgentRoom(AgentRoom.CONFIG, policy, 64, List.of(mole, owl, bell, gong));
+        try (AgentRoom room = new AgentRoom(AgentRoom.CONFIG, policy, 64,
+                List.of(mole, owl, bell, gong));
                 TestClient ada = room.connect(); TestClient bob = room.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada','body':'mole'}").sync();
             bob.say("{'t':'hello','protocol':1,'name':'bob','body':'owl'}").sync();
             room.step();
             ada.expect("welcome");
-            assertThat(ada.expect("event").get("fields")).isEqualTo(TestClient.json("{'agent':'ada','body':'mole'}"));
+            assertThat(ada.expect("event").get("fields"))
+                    .isEqualTo(TestClient.json("{'agent':'ada','body':'mole'}"));
             bob.say("{'t':'act','id':1,'item':'gong','action':'ring'}").sync();
             room.step();
             bob.say("{'t':'act','id':2,'item':'bell','action':'ring'}").sync();
@@ -165,28 +177,34 @@ class SensorsTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"condition-failed", "no-value", "out-of-range", "not-a-rotation", "not-a-colour",
-        "not-a-symbol"})
+    @ValueSource(strings = {"condition-failed", "no-value", "out-of-range", "not-a-rotation",
+            "not-a-colour", "not-a-symbol"})
     void whoSensesOnlySomeThingsIsNotToldWhatAnActionFound(String code) throws IOException {
-        ItemDefinition safe = ItemDefinition.named("safe").at(1, 0, 0).action(new TestAction("open", "Opens.", call -> {
+        var open = new TestAction("open", "Opens.", call -> {
             throw new ActionRefused(code, "its number is 4711");
-        })).build();
-        try (AgentRoom room = room(body(Sensor.sight("eyes", 2)).build(), safe); TestClient ada = room.join("ada")) {
+        });
+        ItemDefinition safe = ItemDefinition.named("safe").at(1, 0, 0).action(open).build();
+        try (AgentRoom room = room(body(Sensor.sight("eyes", 2)).build(), safe);
+                TestClient ada = room.join("ada")) {
             ada.say("{'t':'act','id':1,'item':'safe','action':'open'}").sync();
             room.step();
-            assertThat(ada.expect("result", code).get("reason").stringValue()).contains("safe").doesNotContain("4711");
+            assertThat(ada.expect("result", code).get("reason").stringValue()).contains("safe")
+                    .doesNotContain("4711");
         }
     }
 
     @Test
     void anItemThatIsNotSensedCannotBeNamedInAnArgument() throws IOException {
         Parameter whom = Parameter.item("whom", "Whom to greet.");
-        ItemDefinition hand = ItemDefinition.named("hand").at(1, 0, 0).action(new DeclaredAction("greet", "Waves.",
-                List.of(whom), List.of(new Effect.Raise("greeted", "greet")))).build();
+        ItemDefinition hand = ItemDefinition.named("hand").at(1, 0, 0)
+                .action(new DeclaredAction("greet", "Waves.", List.of(whom),
+                        List.of(new Effect.Raise("greeted", "greet")))).build();
         try (AgentRoom room = room(body(Sensor.sight("eyes", 2)).build(), hand, AgentRoom.duck());
                 TestClient ada = room.join("ada")) {
-            String act = "{'t':'act','id':%d,'item':'hand','action':'greet','arguments':{'whom':'%s'}}";
-            ada.say(act.formatted(1, "duck")).say(act.formatted(2, "swan")).say(act.formatted(3, "hand")).sync();
+            String act =
+                    "{'t':'act','id':%d,'item':'hand','action':'greet','arguments':{'whom':'%s'}}";
+            ada.say(act.formatted(1, "duck")).say(act.formatted(2, "swan"))
+                    .say(act.formatted(3, "hand")).sync();
             room.step();
             String duck = ada.expect("result", "no-such-item").get("reason").stringValue();
             String swan = ada.expect("result", "no-such-item").get("reason").stringValue();
@@ -200,10 +218,13 @@ class SensorsTest {
     @CsvSource({"1, 3", "3, 1", "3, 2"})
     void whatASlowSensorShowsIsAsItSensedItThoughAnotherIsFaster(int placesEvery, int symbolsEvery)
             throws IOException {
-        ItemDefinition body = body(Sensor.sight("where", 50).withAspects(EnumSet.of(Sensor.Aspect.PHYSICAL))
-                .withEvery(placesEvery)).sensor(Sensor.sight("what", 50)
-                .withAspects(EnumSet.of(Sensor.Aspect.SEMANTIC)).withEvery(symbolsEvery)).build();
-        try (AgentRoom room = room(body, ball("ball", 3, 0, 0)); TestClient ada = room.join("ada")) {
+        ItemDefinition body = body(Sensor.sight("where", 50)
+                .withAspects(EnumSet.of(Sensor.Aspect.PHYSICAL)).withEvery(placesEvery))
+                .sensor(Sensor.sight("what", 50)
+                        .withAspects(EnumSet.of(Sensor.Aspect.SEMANTIC)).withEvery(symbolsEvery))
+                .build();
+        try (AgentRoom room = room(body, ball("ball", 3, 0, 0));
+                TestClient ada = room.join("ada")) {
             ada.say("{'t':'perceive','id':1,'every':1}").sync();
             Map<String, JsonNode> known = new LinkedHashMap<>();
             int frames = 12;
@@ -215,17 +236,20 @@ class SensorsTest {
                 room.step();
                 apply(ada.expect("perception"), known);
                 places[frame] = known.get("ball").at("/location/0").intValue();
-                symbols[frame] = Integer.parseInt(known.get("ball").at("/symbols/mood").asString("-1"));
+                symbols[frame] =
+                        Integer.parseInt(known.get("ball").at("/symbols/mood").asString("-1"));
             }
-            assertThat(isSensedEvery(placesEvery, places)).as("%s", Arrays.toString(places)).isTrue();
-            assertThat(isSensedEvery(symbolsEvery, symbols)).as("%s", Arrays.toString(symbols)).isTrue();
+            assertThat(isSensedEvery(placesEvery, places))
+                    .as("%s", Arrays.toString(places)).isTrue();
+            assertThat(isSensedEvery(symbolsEvery, symbols))
+                    .as("%s", Arrays.toString(symbols)).isTrue();
         }
     }
 
     @Test
     void relationsAreAsOfWhenTheyWereSensed() throws IOException {
-        try (AgentRoom room = room(body(Sensor.sight("slow", 50).withEvery(3)).build(), ball("ball", 3, 0, 0),
-                ball("other", 4, 0, 0)); TestClient ada = room.join("ada")) {
+        try (AgentRoom room = room(body(Sensor.sight("slow", 50).withEvery(3)).build(),
+                ball("ball", 3, 0, 0), ball("other", 4, 0, 0)); TestClient ada = room.join("ada")) {
             ada.say("{'t':'perceive','id':1,'every':1,'relations':true}").sync();
             Map<String, JsonNode> known = new LinkedHashMap<>();
             boolean[] touching = new boolean[12];
@@ -277,7 +301,8 @@ class SensorsTest {
                     change(random, room, frame);
                     room.step();
                     JsonNode update = ada.next();
-                    for (; !update.get("t").stringValue().equals("perception"); update = ada.next()) {
+                    for (; !update.get("t").stringValue().equals("perception");
+                            update = ada.next()) {
                         assertThat(update.get("t").stringValue()).isEqualTo("event");
                     }
                     apply(update, known);
@@ -285,9 +310,12 @@ class SensorsTest {
                     Set<String> expected = oracle(room, made.sensors());
                     assertThat(known.keySet()).as("seed %d world %d frame %d", seed, world, frame)
                             .isEqualTo(expected);
-                    room.world.items().stream().map(Item::name).filter(name -> !expected.contains(name))
-                            .forEach(name -> assertThat(whole.toString()).doesNotContain("\"" + name + "\""));
-                    assertThat(Set.copyOf(known.values())).as("seed %d world %d frame %d", seed, world, frame)
+                    room.world.items().stream().map(Item::name)
+                            .filter(name -> !expected.contains(name))
+                            .forEach(name -> assertThat(whole.toString())
+                                    .doesNotContain("\"" + name + "\""));
+                    assertThat(Set.copyOf(known.values()))
+                            .as("seed %d world %d frame %d", seed, world, frame)
                             .isEqualTo(Set.copyOf(whole.get("items").valueStream().toList()));
                     sensed += expected.size() - 1;
                     hidden += room.world.items().size() - 1 - expected.size();
@@ -298,8 +326,12 @@ class SensorsTest {
         assertThat(hidden).isGreaterThan(200);
     }
 
-    /** The whole of a frame without changing the world: the next frame is as the last, but for its number. */
-    private static JsonNode perceiveSame(AgentRoom room, TestClient ada, JsonNode update) throws IOException {
+    /**
+     * The whole of a frame without changing the world: the next frame is as the last,
+     * but for its number.
+     */
+    private static JsonNode perceiveSame(AgentRoom room, TestClient ada, JsonNode update)
+            throws IOException {
         ada.say("{'t':'perceive','id':2}").sync();
         room.step();
         JsonNode message = ada.expect("perception");
@@ -317,7 +349,8 @@ class SensorsTest {
             known.clear();
             update.get("items").forEach(item -> known.put(item.get("name").stringValue(), item));
         }
-        update.path("left").forEach(name -> assertThat(known.remove(name.stringValue())).isNotNull());
+        update.path("left")
+                .forEach(name -> assertThat(known.remove(name.stringValue())).isNotNull());
         update.path("entered").forEach(item ->
                 assertThat(known.put(item.get("name").stringValue(), item)).isNull());
         update.path("changed").forEach(change -> {
@@ -335,10 +368,12 @@ class SensorsTest {
         items.removeIf(item -> item.kind().equals("world"));
         for (Item item : items) {
             switch (random.nextInt(12)) {
-                case 0, 1, 2 -> item.physical().setLocation(random.nextDouble(-6, 6), random.nextDouble(-6, 6),
-                        random.nextDouble(-6, 6));
-                case 3 -> item.physical().setOrientation(random.nextGaussian(), random.nextGaussian(),
-                        random.nextGaussian(), 1);
+                case 0, 1, 2 -> item.physical()
+                        .setLocation(random.nextDouble(-6, 6), random.nextDouble(-6, 6),
+                                random.nextDouble(-6, 6));
+                case 3 -> item.physical()
+                        .setOrientation(random.nextGaussian(), random.nextGaussian(),
+                                random.nextGaussian(), 1);
                 case 4 -> item.physical().setOrientation(0, 0, 0, 1);
                 case 5 -> item.semantic().set("mood", "mood " + random.nextInt(3));
                 case 6 -> {
@@ -363,7 +398,8 @@ class SensorsTest {
         turn(random, item);
         switch (random.nextInt(4)) {
             case 0 -> item.shape(Shape.sphere(random.nextDouble(0.1, 2)));
-            case 1 -> item.shape(Shape.box(random.nextDouble(0.1, 4), random.nextDouble(0.1, 4), 1));
+            case 1 ->
+                    item.shape(Shape.box(random.nextDouble(0.1, 4), random.nextDouble(0.1, 4), 1));
             case 2 -> item.shape(Shape.plane(random.nextDouble(1, 6), random.nextDouble(1, 6)));
             default -> { }
         }
@@ -376,12 +412,14 @@ class SensorsTest {
 
     private static void turn(Random random, ItemDefinition.Builder item) {
         if (random.nextBoolean()) {
-            item.orientation(random.nextGaussian(), random.nextGaussian(), random.nextGaussian(), 1);
+            item.orientation(random.nextGaussian(), random.nextGaussian(),
+                    random.nextGaussian(), 1);
         }
     }
 
     private static Sensor randomSensor(Random random, String name) {
-        Sensor sensor = random.nextInt(4) == 0 ? Sensor.touch(name) : Sensor.sight(name, random.nextDouble(1, 12));
+        Sensor sensor = random.nextInt(4) == 0 ? Sensor.touch(name)
+                : Sensor.sight(name, random.nextDouble(1, 12));
         if (!sensor.touch() && random.nextBoolean()) {
             sensor = sensor.withFieldOfView(random.nextDouble(0.2, 2 * Math.PI));
         }
@@ -421,7 +459,7 @@ class SensorsTest {
             double[] mineHigh = body.physical().boundsMax();
             double square = 0;
             for (int i = 0; i < 3; i++) {
-                double gap = mine[i] > high[i] ? mine[i] - high[i] : low[i] > mineHigh[i] ? low[i] - mineHigh[i] : 0;
+                double gap = Math.max(0, Math.max(mine[i] - high[i], low[i] - mineHigh[i]));
                 square += gap * gap;
             }
             return Math.sqrt(square) <= sensor.range();
@@ -430,7 +468,8 @@ class SensorsTest {
         var points = new ArrayList<double[]>();
         points.add(new double[] {nearest(eye[0], low[0], high[0]), nearest(eye[1], low[1], high[1]),
             nearest(eye[2], low[2], high[2])});
-        points.add(new double[] {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2});
+        points.add(new double[] {(low[0] + high[0]) / 2, (low[1] + high[1]) / 2,
+                (low[2] + high[2]) / 2});
         for (double x : new double[] {low[0], high[0]}) {
             for (double y : new double[] {low[1], high[1]}) {
                 for (double z : new double[] {low[2], high[2]}) {
@@ -445,7 +484,8 @@ class SensorsTest {
         return at < low ? low : at > high ? high : at;
     }
 
-    private static boolean isSeen(AgentRoom room, Sensor sensor, Item body, Item item, double[] eye, double[] point) {
+    private static boolean isSeen(AgentRoom room, Sensor sensor, Item body, Item item, double[] eye,
+            double[] point) {
         double[] way = {point[0] - eye[0], point[1] - eye[1], point[2] - eye[2]};
         double distance = Math.hypot(Math.hypot(way[0], way[1]), way[2]);
         if (distance > sensor.range()) {
@@ -473,10 +513,13 @@ class SensorsTest {
     }
 
     private static double[] cross(double[] a, double[] b) {
-        return new double[] {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+        return new double[] {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2],
+                a[0] * b[1] - a[1] * b[0]};
     }
 
-    /** Face by face: the line crosses the box if it goes through one of its six sides on the way. */
+    /**
+     * Face by face: the line crosses the box if it goes through one of its six sides on the way.
+     */
     private static boolean crosses(double[] eye, double[] way, Item box) {
         double[] low = box.physical().boundsMin();
         double[] high = box.physical().boundsMax();
@@ -494,7 +537,8 @@ class SensorsTest {
                 int c = (axis + 2) % 3;
                 double atB = eye[b] + t * way[b];
                 double atC = eye[c] + t * way[c];
-                if (t > 1e-9 && t < 1 - 1e-9 && low[b] <= atB && atB <= high[b] && low[c] <= atC && atC <= high[c]) {
+                if (t > 1e-9 && t < 1 - 1e-9 && low[b] <= atB && atB <= high[b] && low[c] <= atC
+                        && atC <= high[c]) {
                     return true;
                 }
             }
@@ -508,17 +552,21 @@ class SensorsTest {
         return sensed(body(sensor).build(), items);
     }
 
-    private static List<String> sensed(ItemDefinition body, ItemDefinition... items) throws IOException {
+    private static List<String> sensed(ItemDefinition body, ItemDefinition... items)
+            throws IOException {
         try (AgentRoom room = room(body, items); TestClient ada = room.join("ada")) {
             var names = new ArrayList<String>();
-            perceive(room, ada).get("items").forEach(item -> names.add(item.get("name").stringValue()));
-            names.sort((a, b) -> a.equals("ada") ? -1 : b.equals("ada") ? 1 : 0); // the body was made last
+            perceive(room, ada).get("items")
+                    .forEach(item -> names.add(item.get("name").stringValue()));
+            // the body was made last
+            names.sort((a, b) -> a.equals("ada") ? -1 : b.equals("ada") ? 1 : 0);
             return names;
         }
     }
 
     private static AgentRoom room(ItemDefinition body, ItemDefinition... items) throws IOException {
-        return new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(List.of(), Optional.of(body)), 64, List.of(items));
+        return new AgentRoom(AgentRoom.CONFIG, new AgentPolicy(List.of(), Optional.of(body)), 64,
+                List.of(items));
     }
 
     private static JsonNode perceive(AgentRoom room, TestClient client) throws IOException {

@@ -52,7 +52,8 @@ class SessionsTest {
             assertThat(room.has("eye")).isFalse();
             eye.say("{'t':'perceive','id':1}").sync();
             room.step();
-            assertThat(eye.expect("perception").at("/items/0/name").stringValue()).isEqualTo("duck");
+            assertThat(eye.expect("perception").at("/items/0/name").stringValue())
+                    .isEqualTo("duck");
         }
     }
 
@@ -84,7 +85,8 @@ class SessionsTest {
         "agent | {'t':'fork','id':1,'frames':1} | control",
         "agent | {'t':'shut-down','id':1} | control",
     })
-    void aRoleMaySayOnlyWhatIsItsOwn(String role, String message, String needed) throws IOException {
+    void aRoleMaySayOnlyWhatIsItsOwn(String role, String message, String needed)
+            throws IOException {
         try (TestClient client = role.equals("agent") ? room.join("ada") : guest("ada", role)) {
             client.say(message).sync();
             JsonNode error = client.expect("error", "not-permitted");
@@ -110,10 +112,11 @@ class SessionsTest {
     @Test
     void anEditChangesOnePropertyInTheNextFrame() throws IOException {
         try (TestClient boss = guest("boss", "control")) {
-            boss.say("{'t':'edit','id':1,'item':'duck','property':'physics.velocity','value':[0,3,0]}")
-                    .say("{'t':'edit','id':2,'item':'duck','property':'physical.location','value':[4,5,6]}")
-                    .say("{'t':'edit','id':3,'item':'duck','property':'semantic.class','value':'bird'}")
-                    .say("{'t':'edit','id':4,'item':'duck','property':'physical.colour','value':'#ff0000'}").sync();
+            String edit = "{'t':'edit','id':%d,'item':'duck','property':'%s','value':%s}";
+            boss.say(edit.formatted(1, "physics.velocity", "[0,3,0]"))
+                    .say(edit.formatted(2, "physical.location", "[4,5,6]"))
+                    .say(edit.formatted(3, "semantic.class", "'bird'"))
+                    .say(edit.formatted(4, "physical.colour", "'#ff0000'")).sync();
             room.step();
             for (int i = 1; i <= 4; i++) {
                 JsonNode result = boss.expect("result");
@@ -135,16 +138,19 @@ class SessionsTest {
         "duck | physical.smell | 1 | no-such-property | physical.smell",
         "duck | physics.smell | 1 | edit-refused | smell",
         "duck | physics.velocity | [1,2] | edit-refused | velocity",
-        "duck | physics.mass | 'heavy' | edit-refused | item duck: physics.mass is \"heavy\", expected numbers",
-        "duck | physical.location | [1,2] | edit-refused | item duck: location is 2 numbers, expected 3",
-        "duck | physical.colour | 'red' | edit-refused | item duck: colour \"red\": expected #rrggbb",
+        "duck | physics.mass | 'heavy' | edit-refused | "
+                + "item duck: physics.mass is \"heavy\", expected numbers",
+        "duck | physical.location | [1,2] | edit-refused | "
+                + "item duck: location is 2 numbers, expected 3",
+        "duck | physical.colour | 'red' | edit-refused | "
+                + "item duck: colour \"red\": expected #rrggbb",
         "duck | semantic.name | 'swan' | edit-refused | name",
     })
-    void anEditThatDoesNotFitIsRefusedWithAReason(String item, String property, String value, String code,
-            String reason) throws IOException {
+    void anEditThatDoesNotFitIsRefusedWithAReason(String item, String property, String value,
+            String code, String reason) throws IOException {
         try (TestClient boss = guest("boss", "control")) {
-            boss.say("{'t':'edit','id':1,'item':'" + item + "','property':'" + property + "','value':" + value + "}")
-                    .sync();
+            boss.say("{'t':'edit','id':1,'item':'" + item + "','property':'" + property
+                    + "','value':" + value + "}").sync();
             room.step();
             assertThat(boss.expect("result", code).get("reason").stringValue()).contains(reason);
         }
@@ -164,18 +170,22 @@ class SessionsTest {
         room.loop.pause();
         Thread runner = Thread.ofPlatform().start(room.loop::run);
         try (TestClient boss = guest("boss", "control")) {
-            long before = boss.say("{'t':'pause','id':1}").expect("result").get("frame").longValue();
-            long after = boss.say("{'t':'step','id':2,'frames':3}").expect("result").get("frame").longValue();
+            long before = boss.say("{'t':'pause','id':1}").expect("result").get("frame")
+                    .longValue();
+            long after = boss.say("{'t':'step','id':2,'frames':3}").expect("result").get("frame")
+                    .longValue();
             assertThat(after).isEqualTo(before + 3);
             while (room.loop.frame() < after) {
                 Thread.onSpinWait();
             }
-            boss.say("{'t':'edit','id':3,'item':'duck','property':'physics.mass','value':7}").sync();
+            boss.say("{'t':'edit','id':3,'item':'duck','property':'physics.mass','value':7}")
+                    .sync();
             boss.say("{'t':'step','id':4}");
             long next = before + 4;
-            assertThat(List.of(boss.expect("result"), boss.expect("result"))).containsExactlyInAnyOrder(
-                    TestClient.json("{'t':'result','id':3,'accepted':true,'frame':" + next + "}"),
-                    TestClient.json("{'t':'result','id':4,'accepted':true,'frame':" + next + "}"));
+            String result = "{'t':'result','id':%d,'accepted':true,'frame':%d}";
+            assertThat(List.of(boss.expect("result"), boss.expect("result")))
+                    .containsExactlyInAnyOrder(TestClient.json(result.formatted(3, next)),
+                            TestClient.json(result.formatted(4, next)));
             boss.say("{'t':'perceive','id':5}").sync();
             boss.say("{'t':'run','id':6}").expect("result");
             assertThat(boss.expect("perception").get("frame").longValue()).isGreaterThan(next);
@@ -192,7 +202,8 @@ class SessionsTest {
 
     @Test
     void aCommandSentTwiceIsDoneOnceAndGetsItsFirstResultAgain() throws IOException {
-        String push = "{'t':'act','id':9,'item':'duck','action':'push','arguments':{'impulse':[2,0,0]}}";
+        String push =
+                "{'t':'act','id':9,'item':'duck','action':'push','arguments':{'impulse':[2,0,0]}}";
         try (TestClient ada = room.join("ada")) {
             ada.say(push).say(push).sync();
             room.step();
@@ -218,7 +229,8 @@ class SessionsTest {
 
     @Test
     void aCommandThatWasNotTakenMayBeSentAgain() throws IOException {
-        try (AgentRoom busy = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making(), 1); TestClient ada = busy.join("ada")) {
+        try (AgentRoom busy = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making(), 1);
+                TestClient ada = busy.join("ada")) {
             ada.say(WIND_UP.formatted(1)).say(WIND_UP.formatted(2)).sync();
             ada.expect("result", "world-busy");
             busy.step();
@@ -238,7 +250,8 @@ class SessionsTest {
             log.finish(id, new ServerMessage.Accepted(id, 1));
         }
         assertThat(log.look(0)).isInstanceOf(CommandLog.Known.Forgotten.class);
-        assertThat(log.look(1)).isEqualTo(new CommandLog.Known.Done(new ServerMessage.Accepted(1, 1)));
+        assertThat(log.look(1))
+                .isEqualTo(new CommandLog.Known.Done(new ServerMessage.Accepted(1, 1)));
         assertThat(log.look(5000)).isInstanceOf(CommandLog.Known.Fresh.class);
     }
 
@@ -258,7 +271,8 @@ class SessionsTest {
             JsonNode welcome = again.expect("welcome");
             assertThat(welcome.get("resumed").booleanValue()).isTrue();
             assertThat(welcome.get("body").stringValue()).isEqualTo("ada");
-            assertThat(again.expect("event").at("/fields/action").stringValue()).isEqualTo("wind-up");
+            assertThat(again.expect("event").at("/fields/action").stringValue())
+                    .isEqualTo("wind-up");
             assertThat(again.expect("event").at("/fields/agent").stringValue()).isEqualTo("bob");
             JsonNode result = again.say(WIND_UP.formatted(1)).expect("result");
             assertThat(result.get("frame").longValue()).isEqualTo(2);
@@ -282,8 +296,10 @@ class SessionsTest {
 
     @Test
     void whoHasAnotherTokenOrNoGraceCannotTakeOver() throws IOException {
-        try (TestClient ada = room.join("ada"); TestClient eve = room.connect(); TestClient eva = room.connect()) {
-            eve.say(resume("ada", "00112233445566778899aabbccddeeff", 1)).expectBye("no-such-session");
+        try (TestClient ada = room.join("ada"); TestClient eve = room.connect();
+                TestClient eva = room.connect()) {
+            eve.say(resume("ada", "00112233445566778899aabbccddeeff", 1))
+                    .expectBye("no-such-session");
             eva.say(resume("ada", "", 1).replace("''", "'x'")).expectBye("no-such-session");
             ada.say("{'t':'ping','id':1}").expect("pong");
         }
@@ -417,9 +433,14 @@ class SessionsTest {
                 List.of(new Effect.Raise("rang", "ring")))).build();
     }
 
-    /** Has a client join; takes one frame. @return the token that another connection goes on with */
+    /**
+     * Has a client join; takes one frame.
+     *
+     * @return the token that another connection goes on with
+     */
     private String joinAsAda(TestClient client, double graceSeconds) throws IOException {
-        client.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':" + graceSeconds + "}").sync();
+        client.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':" + graceSeconds + "}")
+                .sync();
         room.step();
         String token = client.expect("welcome").at("/session/token").stringValue();
         client.expect("event");
@@ -428,13 +449,14 @@ class SessionsTest {
 
     private TestClient guest(String name, String role) throws IOException {
         TestClient client = room.connect();
-        client.say("{'t':'hello','protocol':1,'name':'" + name + "','role':'" + role + "'}").expect("welcome");
+        client.say("{'t':'hello','protocol':1,'name':'" + name + "','role':'" + role + "'}")
+                .expect("welcome");
         return client;
     }
 
     private static String resume(String name, String token, long frame) {
-        return "{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'" + token + "','frame':" + frame
-                + "}}";
+        return "{'t':'hello','protocol':1,'name':'" + name + "','resume':{'session':'" + token
+                + "','frame':" + frame + "}}";
     }
 
     /** As when a machine crashes. */

@@ -97,7 +97,8 @@ class SeveralWorldsTest {
                 TestClient late = new TestClient(server.address())) {
             server.end("pond");
             ada.expectBye("closing");
-            late.say("{'t':'hello','protocol':1,'name':'eve','world':'pond'}").expectBye("no-such-world");
+            late.say("{'t':'hello','protocol':1,'name':'eve','world':'pond'}")
+                    .expectBye("no-such-world");
             bob.say("{'t':'perceive','id':1}").sync();
             lake.loop.step();
             bob.expect("perception");
@@ -112,8 +113,10 @@ class SeveralWorldsTest {
         String token = ada.expect("welcome").at("/session/token").stringValue();
         ada.close();
         String resume = "'name':'ada','resume':{'session':'" + token + "','frame':1}}";
-        try (TestClient wrong = new TestClient(server.address()); TestClient right = new TestClient(server.address())) {
-            wrong.say("{'t':'hello','protocol':1,'world':'pond'," + resume).expectBye("no-such-session");
+        try (TestClient wrong = new TestClient(server.address());
+                TestClient right = new TestClient(server.address())) {
+            wrong.say("{'t':'hello','protocol':1,'world':'pond'," + resume)
+                    .expectBye("no-such-session");
             right.say("{'t':'hello','protocol':1,'world':'lake'," + resume);
             assertThat(right.expect("welcome").get("world").stringValue()).isEqualTo("lake");
         }
@@ -121,7 +124,8 @@ class SeveralWorldsTest {
 
     private TestClient join(String name, Pond in) throws IOException {
         var client = new TestClient(server.address());
-        client.say("{'t':'hello','protocol':1,'name':'" + name + "','world':'" + in.world.name() + "'}").sync();
+        client.say("{'t':'hello','protocol':1,'name':'" + name + "','world':'" + in.world.name()
+                + "'}").sync();
         in.loop.step();
         assertThat(client.expect("welcome").get("world").stringValue()).isEqualTo(in.world.name());
         client.expect("event");

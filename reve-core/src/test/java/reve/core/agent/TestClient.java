@@ -43,10 +43,12 @@ final class TestClient implements AutoCloseable {
         socket.setTcpNoDelay(true);
         socket.setSoTimeout(PATIENCE_MILLIS);
         out = socket.getOutputStream();
-        in = new BufferedReader(new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
+        in = new BufferedReader(
+                new InputStreamReader(socket.getInputStream(), StandardCharsets.UTF_8));
     }
 
-    private static Socket connected(InetSocketAddress address, int receiveBytes) throws IOException {
+    private static Socket connected(InetSocketAddress address, int receiveBytes)
+            throws IOException {
         var socket = new Socket();
         if (receiveBytes > 0) {
             socket.setReceiveBufferSize(receiveBytes);
@@ -101,7 +103,10 @@ final class TestClient implements AutoCloseable {
         return message;
     }
 
-    /** The next message must be of that type and have that code; then the other fields are told by the caller. */
+    /**
+     * The next message must be of that type and have that code; then the other fields
+     * are told by the caller.
+     */
     JsonNode expect(String type, String code) throws IOException {
         JsonNode message = expect(type);
         assertThat(message.path("code").asString("")).as("%s", message).isEqualTo(code);

@@ -68,7 +68,8 @@ class TlsTest {
         room.close();
     }
 
-    private static AgentServerConfig with(AgentServerConfig c, Certificate certificate) throws IOException {
+    private static AgentServerConfig with(AgentServerConfig c, Certificate certificate)
+            throws IOException {
         return new AgentServerConfig(c.address(), c.limits(), c.timeouts(), c.audit(),
                 new AgentSecurity(Optional.empty(), Optional.of(certificate.tls())));
     }
@@ -77,7 +78,8 @@ class TlsTest {
         var store = KeyStore.getInstance("PKCS12");
         store.load(null, null);
         try (var in = new FileInputStream(certificate.certificate().toFile())) {
-            store.setCertificateEntry("server", CertificateFactory.getInstance("X.509").generateCertificate(in));
+            store.setCertificateEntry("server",
+                    CertificateFactory.getInstance("X.509").generateCertificate(in));
         }
         var trust = TrustManagerFactory.getInstance(TrustManagerFactory.getDefaultAlgorithm());
         trust.init(store);
@@ -86,8 +88,10 @@ class TlsTest {
         return context;
     }
 
-    private static SSLSocket secure(SSLContext context, InetSocketAddress address) throws IOException {
-        return (SSLSocket) context.getSocketFactory().createSocket(address.getAddress(), address.getPort());
+    private static SSLSocket secure(SSLContext context, InetSocketAddress address)
+            throws IOException {
+        return (SSLSocket) context.getSocketFactory()
+                .createSocket(address.getAddress(), address.getPort());
     }
 
     private TestClient connect() throws IOException {
@@ -121,7 +125,8 @@ class TlsTest {
         Random random = new Random(seed);
         try (TestClient ada = join(room)) {
             for (int i = 0; i < 200; i++) {
-                byte[] line = ("{\"t\":\"ping\",\"id\":" + i + ",\"padding\":\"" + "x".repeat(random.nextInt(40_000))
+                byte[] line = ("{\"t\":\"ping\",\"id\":" + i + ",\"padding\":\""
+                        + "x".repeat(random.nextInt(40_000))
                         + "\"}\n").getBytes(StandardCharsets.US_ASCII);
                 for (int at = 0; at < line.length;) {
                     int next = Math.min(line.length, at + 1 + random.nextInt(20_000));
@@ -136,7 +141,8 @@ class TlsTest {
     @Test
     void perceptionsLongerThanASocketsBufferArriveWhole() throws IOException {
         for (int i = 0; i < 3000; i++) {
-            room.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(500)).build());
+            room.world.add(ItemDefinition.named("stone " + i)
+                    .symbol("note", "x".repeat(500)).build());
         }
         try (TestClient ada = join(room)) {
             for (int i = 0; i < 3; i++) {
@@ -171,7 +177,8 @@ class TlsTest {
     @Test
     void tlsIsToldAtOnceThatNoneIsSpokenHere() throws IOException {
         AgentServerConfig config = AgentRoom.config(NEVER, NEVER, NEVER, NEVER);
-        try (AgentRoom open = new AgentRoom(config); SSLSocket socket = secure(trusting, open.server.address())) {
+        try (AgentRoom open = new AgentRoom(config);
+                SSLSocket socket = secure(trusting, open.server.address())) {
             assertThatThrownBy(socket::startHandshake).isInstanceOf(SSLException.class);
             open.stepUntil("it is gone", () -> open.server.stats().open() == 0);
         }
@@ -191,7 +198,8 @@ class TlsTest {
         try (AgentRoom brief = new AgentRoom(config)) {
             List<Socket> silent = new ArrayList<>();
             for (int i = 0; i < 50; i++) {
-                Socket socket = new Socket(brief.server.address().getAddress(), brief.server.address().getPort());
+                Socket socket = new Socket(brief.server.address().getAddress(),
+                        brief.server.address().getPort());
                 socket.getOutputStream().write(new byte[] {0x16, 3, 1, 2}, 0, i % 5);
                 silent.add(socket);
             }
@@ -208,9 +216,11 @@ class TlsTest {
     void aRecordThatIsNeverFinishedDoesNotKeepAConnectionOpen() throws IOException {
         AgentServerConfig config = with(AgentRoom.config(NEVER, SOON, SOON, NEVER), server);
         try (AgentRoom brief = new AgentRoom(config);
-                Socket raw = new Socket(brief.server.address().getAddress(), brief.server.address().getPort());
+                Socket raw = new Socket(brief.server.address().getAddress(),
+                        brief.server.address().getPort());
                 TestClient ada = new TestClient(
-                        trusting.getSocketFactory().createSocket(raw, "localhost", raw.getPort(), true))) {
+                        trusting.getSocketFactory()
+                                .createSocket(raw, "localhost", raw.getPort(), true))) {
             ada.say(HELLO).sync();
             raw.getOutputStream().write(new byte[] {0x17, 3, 3, 0x40, 0, 1, 2, 3});
             brief.step();
@@ -224,7 +234,8 @@ class TlsTest {
         AgentServerConfig config = with(AgentRoom.config(NEVER, NEVER, NEVER, SOON), server);
         try (AgentRoom brief = new AgentRoom(config)) {
             for (int i = 0; i < 3000; i++) {
-                brief.world.add(ItemDefinition.named("stone " + i).symbol("note", "x".repeat(200)).build());
+                brief.world.add(ItemDefinition.named("stone " + i)
+                        .symbol("note", "x".repeat(200)).build());
             }
             try (TestClient blind = join(brief)) {
                 blind.say("{'t':'perceive','every':1}");
@@ -242,7 +253,8 @@ class TlsTest {
             byte[] noise = new byte[1 + random.nextInt(2000)];
             random.nextBytes(noise);
             noise[0] = 0x16;
-            try (Socket socket = new Socket(room.server.address().getAddress(), room.server.address().getPort())) {
+            try (Socket socket = new Socket(room.server.address().getAddress(),
+                    room.server.address().getPort())) {
                 socket.getOutputStream().write(noise);
                 socket.shutdownOutput();
                 socket.getInputStream().readAllBytes();
@@ -258,16 +270,19 @@ class TlsTest {
     void filesThatDoNotFitAreNamed() throws Exception {
         Certificate other = Certificate.make(folder, "other");
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), other.key()))
-                .hasMessageContaining("other.key is not the key of the certificate in").hasMessageContaining("server.crt");
+                .hasMessageContaining("other.key is not the key of the certificate in")
+                .hasMessageContaining("server.crt");
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), server.certificate()))
                 .hasMessageContaining("server.crt").hasMessageContaining("chmod 600");
         Path nothing = Files.writeString(folder.resolve("nothing.pem"), "nothing");
-        assertThatThrownBy(() -> ServerTls.of(nothing, server.key())).hasMessageContaining("nothing.pem");
+        assertThatThrownBy(() -> ServerTls.of(nothing, server.key()))
+                .hasMessageContaining("nothing.pem");
         Files.setPosixFilePermissions(nothing, PosixFilePermissions.fromString("rw-------"));
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), nothing))
                 .hasMessageContaining("nothing.pem").hasMessageContaining("openssl pkcs8");
         Certificate rsa = Certificate.make(folder, "rsa", "rsa:2048");
         assertThat(rsa.tls()).isNotNull();
-        assertThatThrownBy(() -> ServerTls.of(server.certificate(), rsa.key())).hasMessageContaining("(EC)");
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), rsa.key()))
+                .hasMessageContaining("(EC)");
     }
 }

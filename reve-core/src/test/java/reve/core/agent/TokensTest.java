@@ -55,7 +55,8 @@ class TokensTest {
         String secret = add("ada", rights, Optional.of(NOW.plusNanos(1)));
         TokenFile tokens = TokenFile.open(file, () -> now);
         assertThat(tokens.find(secret)).get()
-                .isEqualTo(new AgentToken("ada", AgentToken.hash(secret), rights, Optional.of(NOW.plusNanos(1))));
+                .isEqualTo(new AgentToken("ada", AgentToken.hash(secret), rights,
+                        Optional.of(NOW.plusNanos(1))));
         assertThat(tokens.find(secret.substring(1))).isEmpty();
         assertThat(tokens.find("")).isEmpty();
         now = NOW.plusNanos(1);
@@ -67,8 +68,10 @@ class TokensTest {
         String first = add("ada");
         String second = add("ada");
         assertThat(first).matches("[0-9a-f]{32}").isNotEqualTo(second);
-        assertThat(Files.readString(file)).doesNotContain(first, second).contains(AgentToken.hash(first));
-        assertThat(AgentToken.issue("ada", Rights.ALL, Optional.empty()).toString()).doesNotContain("secret");
+        assertThat(Files.readString(file)).doesNotContain(first, second)
+                .contains(AgentToken.hash(first));
+        assertThat(AgentToken.issue("ada", Rights.ALL, Optional.empty()).toString())
+                .doesNotContain("secret");
     }
 
     @Test
@@ -80,11 +83,13 @@ class TokensTest {
     @Test
     void theFileIsForItsOwnerAlone() throws IOException {
         add("ada");
-        assertThat(PosixFilePermissions.toString(Files.getPosixFilePermissions(file))).isEqualTo("rw-------");
+        assertThat(PosixFilePermissions.toString(Files.getPosixFilePermissions(file)))
+                .isEqualTo("rw-------");
         Files.setPosixFilePermissions(file, PosixFilePermissions.fromString("rw-r-----"));
         assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(IOException.class)
                 .hasMessageContaining("rw-r-----").hasMessageContaining("chmod 600 " + file);
-        assertThatThrownBy(() -> add("bob")).isInstanceOf(IOException.class).hasMessageContaining("chmod 600");
+        assertThatThrownBy(() -> add("bob")).isInstanceOf(IOException.class)
+                .hasMessageContaining("chmod 600");
     }
 
     @Test
@@ -132,7 +137,8 @@ class TokensTest {
             {"reveTokens":1,"tokens":[{"name":"a b","sha256":"00"}]}      | "a b" is no name
             {"reveTokens":1,"reveTokens":1,"tokens":[]}                   | it is not JSON
             """)
-    void aFileThatSaysSomethingElseIsRefusedWhole(String content, String reason) throws IOException {
+    void aFileThatSaysSomethingElseIsRefusedWhole(String content, String reason)
+            throws IOException {
         add("ada");
         Files.writeString(file, content);
         assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(IOException.class)
@@ -140,12 +146,14 @@ class TokensTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"\"expires\":\"soon\"", "\"expires\":5", "\"roles\":[]", "\"worlds\":[1]"})
+    @ValueSource(strings = {"\"expires\":\"soon\"", "\"expires\":5", "\"roles\":[]",
+            "\"worlds\":[1]"})
     void aFieldThatIsNotAsItShouldBeIsRefused(String field) throws IOException {
         add("ada");
         String known = Files.readString(file);
         String name = field.substring(0, field.indexOf(':'));
-        Files.writeString(file, known.contains(name) ? known.replaceFirst(name + " : \\[[^]]*]", field)
+        Files.writeString(file,
+                known.contains(name) ? known.replaceFirst(name + " : \\[[^]]*]", field)
                 : known.replace("\"name\"", field + ",\"name\""));
         assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(IOException.class)
                 .hasMessageContaining("token 1");
@@ -160,7 +168,8 @@ class TokensTest {
             assertThat(attempts.take(mallory, now)).isTrue();
         }
         assertThat(attempts.take(mallory, now)).isFalse();
-        assertThat(attempts.take(InetAddress.getByName("192.0.2.2"), now)).as("another address").isTrue();
+        assertThat(attempts.take(InetAddress.getByName("192.0.2.2"), now))
+                .as("another address").isTrue();
         now += TimeUnit.SECONDS.toNanos(1);
         assertThat(attempts.take(mallory, now)).isTrue();
         assertThat(attempts.take(mallory, now)).isFalse();
@@ -196,7 +205,9 @@ class TokensTest {
         var attempts = new Attempts();
         List<InetAddress> seen = new ArrayList<>();
         for (int i = 0; i < 2 * Attempts.ADDRESSES; i++) {
-            seen.add(InetAddress.getByAddress(new byte[] {10, (byte) (i >> 16), (byte) (i >> 8), (byte) i}));
+            seen.add(
+                    InetAddress.getByAddress(
+                            new byte[] {10, (byte) (i >> 16), (byte) (i >> 8), (byte) i}));
             for (int j = 0; j < Attempts.BURST; j++) {
                 assertThat(attempts.take(seen.getLast(), 0)).isTrue();
             }

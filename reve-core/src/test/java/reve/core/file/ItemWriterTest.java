@@ -113,7 +113,8 @@ class ItemWriterTest {
         ItemDefinition item = ItemDefinition.named("robot").action(dance).build();
 
         assertThatIllegalArgumentException().isThrownBy(() -> new ItemWriter(DOUBLE).write(item))
-                .withMessageStartingWith("item robot: action dance is a reve.core.world.TestAction");
+                .withMessageStartingWith(
+                        "item robot: action dance is a reve.core.world.TestAction");
     }
 
     @Test

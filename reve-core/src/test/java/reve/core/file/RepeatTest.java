@@ -214,7 +214,8 @@ class RepeatTest {
         assertThat(problems("  - {name: 'a{sin}', repeat: {sin: 2}}\n")).containsExactly(
                 "world.yaml:4:31: `sin` means something else in formulas; choose another name");
         assertThat(problems("  - {name: 'a{i}', repeat: {a-b: 1, i: 2}}\n"))
-                .containsExactly("world.yaml:4:29: `a-b` is not a name; expected a letter, then letters, digits or "
+                .containsExactly("world.yaml:4:29: `a-b` is not a name; "
+                        + "expected a letter, then letters, digits or "
                         + "_, at most 47 in all");
         assertThat(problems("  - {name: 'a{i % 2}', repeat: 3}\n")).containsExactly(
                 "world.yaml:4:12: duplicate item name `a0`, first on line 4");

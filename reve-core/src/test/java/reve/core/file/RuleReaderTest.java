@@ -33,7 +33,8 @@ class RuleReaderTest {
                   - {name: sign, semantic: {limit: 10 m/s, tags: [round, 2, true]}}
                 """);
 
-        assertThat(world.prototype().symbol("tags").orElseThrow().type()).isEqualTo(SymbolType.LIST);
+        assertThat(world.prototype().symbol("tags").orElseThrow().type())
+                .isEqualTo(SymbolType.LIST);
         assertThat(world.items().getFirst().symbols())
                 .containsEntry("limit", 36.0).containsEntry("tags", List.of("round", 2.0, true));
         assertThat(world.rules()).extracting(Rule::symbol)

@@ -98,7 +98,8 @@ class WorldFileDocumentTest {
     void tableOfStandardPropertiesIsThePrototype() throws Exception {
         String page = page();
         for (PropertyDescriptor property : WorldPrototype.standard("si-f64").properties()) {
-            String row = page.lines().filter(line -> line.startsWith("| `" + property.kind() + "` |"))
+            String row = page.lines()
+                    .filter(line -> line.startsWith("| `" + property.kind() + "` |"))
                     .findFirst().orElseThrow();
             String components = property.components() == 1 ? "" : " ×" + property.components();
             assertThat(row).contains(property.type() == ScalarType.REF

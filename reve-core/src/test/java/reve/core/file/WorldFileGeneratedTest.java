@@ -52,7 +52,8 @@ class WorldFileGeneratedTest {
             mass.put("b" + i, m * Double.parseDouble(massUnit[1]));
             velocity.put("b" + i, new double[] {v[0] * Double.parseDouble(speedUnit[1]),
                 v[1] * Double.parseDouble(speedUnit[1]), v[2] * Double.parseDouble(speedUnit[1])});
-            items.add("{name: b" + i + ", physical: {shape: box, size: [1, 2, 3], colour: \"#0a0b0c\""
+            items.add("{name: b" + i
+                    + ", physical: {shape: box, size: [1, 2, 3], colour: \"#0a0b0c\""
                     + ", location: [" + i + ", 0, 0]}, semantic: {class: x, n: " + i + "}, access: "
                     + "{push: {parameters: {p: {components: 3, unit: N*s}}, effects: [{impulse: $p}"
                     + ", {symbol: pushed, to: true}]}}, physics: {mass: " + m + " " + massUnit[0]
@@ -60,7 +61,8 @@ class WorldFileGeneratedTest {
         }
         for (int i = 0; i < springs; i++) {
             int end = random.nextInt(bodies);
-            items.add("{name: s" + i + ", kind: spring, physics: {springConstant: 3 N/m, length: 2, "
+            items.add("{name: s" + i
+                    + ", kind: spring, physics: {springConstant: 3 N/m, length: 2, "
                     + "end1: b" + end + ", end2: b" + (end + 1) % bodies + "}}");
         }
         Collections.shuffle(items, random);

@@ -391,7 +391,8 @@ class WorldFileTest {
 
     @Test
     void loadReadsAFileAndNamesItInProblems(@TempDir Path folder) throws Exception {
-        Path good = Files.writeString(folder.resolve("good.yaml"), "\uFEFFreve: 1\nname: w\ndoc: é\n");
+        Path good =
+                Files.writeString(folder.resolve("good.yaml"), "\uFEFFreve: 1\nname: w\ndoc: é\n");
         Path bad = Files.writeString(folder.resolve("bad.yaml"), "reve: 2\nname: x\n");
 
         assertThat(WorldFile.load(good).doc()).isEqualTo("é");

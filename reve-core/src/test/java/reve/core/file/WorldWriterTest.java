@@ -129,11 +129,12 @@ class WorldWriterTest {
         }
         items.add(ItemDefinition.named("lamp").kind("lamp").physics("size_x", 0).build());
         List<LastingForce> forces = held.stream().filter(name -> random.nextBoolean())
-                .map(name -> new LastingForce(name, List.of(force(shell), force(shell), force(shell)),
+                .map(name -> new LastingForce(name,
+                        List.of(force(shell), force(shell), force(shell)),
                         1 + random.nextLong(Forces.MAX_FRAMES))).toList();
         return new WorldDescription(shell.name(), RandomItems.text(random), shell.prototype(),
-                shell.timing(), random.nextLong(1L << 40), shell.laws(), shell.constants(), Optional.empty(),
-                AgentPolicy.none(), List.of(), items, forces);
+                shell.timing(), random.nextLong(1L << 40), shell.laws(), shell.constants(),
+                Optional.empty(), AgentPolicy.none(), List.of(), items, forces);
     }
 
     private double force(WorldDescription world) {

@@ -163,8 +163,8 @@ class BrokenAssetsTest {
                 assertThat(expected.getMessage()).isNotBlank().doesNotContain("\n")
                         .hasSizeLessThan(1000);
             } catch (RuntimeException | Error other) {
-                Path kept = Files.write(Files.createTempFile("mutant", which == 0 ? ".glb" : ".obj"),
-                        mutant);
+                Path kept = Files.write(
+                        Files.createTempFile("mutant", which == 0 ? ".glb" : ".obj"), mutant);
                 fail("seed " + seed + ", mutant " + i + ", kept in " + kept, other);
             }
         }
@@ -214,7 +214,8 @@ class BrokenAssetsTest {
                 case 0 -> mutant[at] ^= (byte) (1 << random.nextInt(8));
                 case 1 -> mutant[at] = (byte) random.nextInt();
                 case 2 -> changeDigit(mutant, at, random);
-                case 3 -> Arrays.fill(mutant, at, at + length, (byte) (random.nextBoolean() ? 0 : -1));
+                case 3 -> Arrays.fill(mutant, at, at + length,
+                        (byte) (random.nextBoolean() ? 0 : -1));
                 case 4 -> System.arraycopy(mutant, random.nextInt(mutant.length - length + 1),
                         mutant, at, length);
                 default -> mutant = random.nextInt(4) > 0 ? mutant

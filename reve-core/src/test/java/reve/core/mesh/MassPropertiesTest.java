@@ -55,7 +55,9 @@ class MassPropertiesTest {
         assertClose(brick.products(), 0, 0, 0);
     }
 
-    /** For corners at the origin and 1, 2, 3 m along the axes: products too, by hand integration. */
+    /**
+     * For corners at the origin and 1, 2, 3 m along the axes: products too, by hand integration.
+     */
     @Test
     void aTetrahedronHasTheProductsOfItsIntegrals() {
         Mesh corner = new Mesh(new float[] {0, 0, 0, 1, 0, 0, 0, 2, 0, 0, 0, 3},
@@ -63,7 +65,8 @@ class MassPropertiesTest {
         MassProperties solid = MassProperties.of(corner, 8);
         assertThat(solid.volume()).isCloseTo(1, within(1e-12));
         assertClose(solid.centre(), 0.25, 0.5, 0.75);
-        // About the origin: m/10 (b^2 + c^2) and -m/20 b c; then moved by the parallel axis theorem.
+        // About the origin: m/10 (b^2 + c^2) and -m/20 b c; then moved by the parallel axis
+        // theorem.
         assertClose(solid.moments(), 0.8 * 13 - 8 * (0.25 + 0.5625),
                 0.8 * 10 - 8 * (0.5625 + 0.0625), 0.8 * 5 - 8 * (0.0625 + 0.25));
         assertClose(solid.products(), -0.4 * 6 + 8 * 0.375, -0.4 * 3 + 8 * 0.1875,

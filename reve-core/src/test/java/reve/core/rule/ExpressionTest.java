@@ -95,7 +95,8 @@ class ExpressionTest {
         "physics.mass >              | 14 | ends too early",
         "physics.mass = 3            | 13 | `=` makes no sense here",
         "physics.velocity > 3        | 17 | `>` does not go with (list of numbers, number)",
-        "weather == 'rain'           | 0  | unknown name `weather`; known are item, physical, physics, semantic",
+        "weather == 'rain'           | 0  | "
+                + "unknown name `weather`; known are item, physical, physics, semantic",
         "semantic.limit == 'fast'    | 15 | does not go with (number, text)",
         "getHours()                  | 8  | `getHours` does not go with ()",
         "timestamp('2020-01-01')     | 9  | unknown name `timestamp`",

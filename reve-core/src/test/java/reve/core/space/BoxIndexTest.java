@@ -147,7 +147,8 @@ class BoxIndexTest {
         assertThat(keys()).as("sphere, " + when)
                 .isEqualTo(where(row -> squaredDistance(row, x, y, z) <= size * size));
         double[] from = {x, y, z};
-        double[] to = {random.nextDouble() * 100, random.nextBoolean() ? y : size, random.nextInt(20)};
+        double[] to =
+                {random.nextDouble() * 100, random.nextBoolean() ? y : size, random.nextInt(20)};
         index.onLine(from, to, found);
         assertThat(keys()).as("line, " + when).isEqualTo(where(row -> meetsLine(row, from, to)));
         int most = random.nextInt(20);
@@ -161,12 +162,15 @@ class BoxIndexTest {
         double end = 1;
         for (int axis = 0; axis < 3; axis++) {
             double way = to[axis] - from[axis];
-            if (way == 0 && (from[axis] < low(3 * row + axis) || from[axis] > high(3 * row + axis))) {
+            if (way == 0
+                    && (from[axis] < low(3 * row + axis) || from[axis] > high(3 * row + axis))) {
                 return false;
             }
             if (way != 0) {
-                double enters = ((way > 0 ? low(3 * row + axis) : high(3 * row + axis)) - from[axis]) / way;
-                double leaves = ((way > 0 ? high(3 * row + axis) : low(3 * row + axis)) - from[axis]) / way;
+                double enters =
+                        ((way > 0 ? low(3 * row + axis) : high(3 * row + axis)) - from[axis]) / way;
+                double leaves =
+                        ((way > 0 ? high(3 * row + axis) : low(3 * row + axis)) - from[axis]) / way;
                 begin = Math.max(begin, enters);
                 end = Math.min(end, leaves);
             }
@@ -200,7 +204,8 @@ class BoxIndexTest {
         double sum = 0;
         for (int axis = 0; axis < 3; axis++) {
             double at = axis == 0 ? x : axis == 1 ? y : z;
-            double away = Math.max(0, Math.max(low(3 * row + axis) - at, at - high(3 * row + axis)));
+            double away =
+                    Math.max(0, Math.max(low(3 * row + axis) - at, at - high(3 * row + axis)));
             sum += away * away;
         }
         return sum;

@@ -42,7 +42,8 @@ class WorldCodecTest {
                     Unit.parse("K"), Optional.empty(), 0, "How hot it is."),
                     new PropertyDescriptor("owner", "deed", ScalarType.REF, 2, Unit.ONE,
                             Optional.of("body"), "Who has it."))).withSymbols(List.of(
-                    new SymbolDescriptor("reach", SymbolType.NUMBER, Unit.parse("km"), "How far.")));
+                    new SymbolDescriptor("reach", SymbolType.NUMBER, Unit.parse("km"),
+                            "How far.")));
 
     private static final Assets NONE = new Assets(WorldFolder.none());
 

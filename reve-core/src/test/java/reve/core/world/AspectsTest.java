@@ -261,7 +261,8 @@ class AspectsTest {
                 .isThrownBy(() -> sign.semantic().set("limit", "fast"))
                 .withMessage("item sign: limit is a text, declared as a number");
         assertThatIllegalArgumentException()
-                .isThrownBy(() -> world.add(ItemDefinition.named("other").symbol("tags", 3).build()))
+                .isThrownBy(() ->
+                        world.add(ItemDefinition.named("other").symbol("tags", 3).build()))
                 .withMessage("item other: tags is a number, declared as a list");
         assertThat(world.find("other")).isEmpty();
     }
@@ -270,7 +271,8 @@ class AspectsTest {
     void symbolIsDeclaredOnce() {
         var tags = new SymbolDescriptor("tags", SymbolType.LIST, Unit.ONE, "");
         assertThatIllegalArgumentException()
-                .isThrownBy(() -> WorldPrototype.standard("si-f64").withSymbols(List.of(tags, tags)))
+                .isThrownBy(() ->
+                        WorldPrototype.standard("si-f64").withSymbols(List.of(tags, tags)))
                 .withMessageContaining("tags is declared twice");
     }
 }

@@ -88,7 +88,8 @@ class HierarchyTest {
         List<ItemDefinition> chain = new ArrayList<>();
         chain.add(ItemDefinition.named("link0").at(1, 2, 3).orientation(0, HALF, 0, HALF).build());
         for (int i = 1; i < 50; i++) {
-            chain.add(ItemDefinition.named("link" + i).parent("link" + (i - 1)).at(1, 0, 0).build());
+            chain.add(ItemDefinition.named("link" + i).parent("link" + (i - 1))
+                    .at(1, 0, 0).build());
         }
         Collections.shuffle(chain, new Random(7));
         world.addAll(chain);
@@ -106,7 +107,8 @@ class HierarchyTest {
         List<ItemDefinition> chain = new ArrayList<>();
         chain.add(ItemDefinition.named("link0").build());
         for (int i = 1; i < 20_000; i++) {
-            chain.add(ItemDefinition.named("link" + i).parent("link" + (i - 1)).at(1, 0, 0).build());
+            chain.add(ItemDefinition.named("link" + i).parent("link" + (i - 1))
+                    .at(1, 0, 0).build());
         }
         world.addAll(chain);
         world.find("link0").orElseThrow().physical().setLocation(0, 1, 0);
@@ -139,9 +141,9 @@ class HierarchyTest {
         Item cart = world.add(ItemDefinition.named("cart").physics("mass", 5).build());
         Item ball = world.add(ItemDefinition.named("ball").physics("mass", 2).build());
         assertThatIllegalArgumentException().isThrownBy(() -> world.attach(ball.id(), cart.id()))
-                .withMessage("item ball (body #3) cannot be attached to item cart (body #2): mass is "
-                        + "2.0 kg, but laws cannot move what moves with another item: give it mass 0, "
-                        + "or hold it with a spring");
+                .withMessage("item ball (body #3) cannot be attached to item cart (body #2): "
+                        + "mass is 2.0 kg, but laws cannot move what moves with another item: "
+                        + "give it mass 0, or hold it with a spring");
         ball.physics().set("mass", 0);
         world.attach(ball.id(), cart.id());
         assertThatIllegalArgumentException().isThrownBy(() -> ball.physics().set("mass", 1))

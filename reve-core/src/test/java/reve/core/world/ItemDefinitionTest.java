@@ -67,7 +67,8 @@ class ItemDefinitionTest {
                 .withMessageContaining("derives");
         assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("dimensions", 3))
                 .withMessageContaining("derives");
-        assertThatIllegalArgumentException().isThrownBy(() -> ball.symbol("tags", List.of(List.of("a"))))
+        assertThatIllegalArgumentException()
+                .isThrownBy(() -> ball.symbol("tags", List.of(List.of("a"))))
                 .withMessageContaining("tags").withMessageContaining("expected text");
         assertThatIllegalArgumentException()
                 .isThrownBy(() -> ball.symbol("tags", Collections.nCopies(65, "a")))

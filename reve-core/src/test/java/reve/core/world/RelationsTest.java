@@ -133,7 +133,8 @@ class RelationsTest {
         for (Item item : items) {
             List<String> near = new ArrayList<>();
             for (Item other : items) {
-                if (other != item && gap(item, other) <= Math.min(diagonal(item), diagonal(other))) {
+                if (other != item
+                        && gap(item, other) <= Math.min(diagonal(item), diagonal(other))) {
                     near.add(other.name());
                 }
             }

@@ -62,8 +62,10 @@ class SymbolIndexTest {
                 Object value = symbol.equals("group") ? random.nextInt(4) : "c" + random.nextInt(3);
                 Object kept = value instanceof Integer number ? (double) number : value;
                 assertThat(world.withSymbol(symbol, value)).as("seed %d step %d", seed, step)
-                        .containsExactlyElementsOf(world.items().stream().filter(each ->
-                                each.semantic().get(symbol).filter(kept::equals).isPresent()).toList());
+                        .containsExactlyElementsOf(world.items().stream()
+                                .filter(each -> each.semantic().get(symbol)
+                                        .filter(kept::equals).isPresent())
+                                .toList());
             }
         }
     }

@@ -132,7 +132,8 @@ class WorldMirrorTest {
             case 10 -> any.semantic().set("mood " + random.nextInt(3), random.nextBoolean()
                     ? "söso" : List.of(number(), true, "x"));
             case 11 -> any.semantic().remove("mood " + random.nextInt(3));
-            case 12 -> any.access().set(new TestAction("act " + random.nextInt(2), "no. " + made++));
+            case 12 -> any.access()
+                    .set(new TestAction("act " + random.nextInt(2), "no. " + made++));
             case 13 -> any.access().remove("act " + random.nextInt(2));
             case 14 -> edit(any, other);
             default -> clear(any);
