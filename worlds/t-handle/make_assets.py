@@ -17,7 +17,8 @@ def box(low, high):
         u, v = (axis + 1) % 3, (axis + 2) % 3
         for side in (0, 1):
             corners = []
-            for a, b in ((0, 0), (1, 0), (1, 1), (0, 1)) if side else ((0, 0), (0, 1), (1, 1), (1, 0)):
+            turn = ((0, 0), (1, 0), (1, 1), (0, 1)) if side else ((0, 0), (0, 1), (1, 1), (1, 0))
+            for a, b in turn:
                 corner = [0.0, 0.0, 0.0]
                 corner[axis] = (low, high)[side][axis]
                 corner[u] = (low, high)[a][u]
@@ -44,8 +45,8 @@ def cylinder(radius, top, bottom, sides):
         a, b, c, d = rim(i, bottom), rim(i + 1, bottom), rim(i + 1, top), rim(i, top)
         triangles += [(a, b, c, [out(i), out(i + 1), out(i + 1)]),
                       (a, c, d, [out(i), out(i + 1), out(i)]),
-                      (rim(i, top), rim(i + 1, top), (0.0, top, 0.0), [(0.0, 1.0, 0.0)] * 3),
-                      (rim(i + 1, bottom), rim(i, bottom), (0.0, bottom, 0.0), [(0.0, -1.0, 0.0)] * 3)]
+                      (d, c, (0.0, top, 0.0), [(0.0, 1.0, 0.0)] * 3),
+                      (b, a, (0.0, bottom, 0.0), [(0.0, -1.0, 0.0)] * 3)]
     return triangles
 
 
@@ -57,7 +58,8 @@ def main():
     bar_volume = BAR[0] * BAR[1] * BAR[2]
     stem_volume = polygon_area(STEM_RADIUS, STEM_SIDES) * STEM_LENGTH
     stem_middle = -(BAR[1] + STEM_LENGTH) / 2
-    centre = stem_volume * stem_middle / (bar_volume + stem_volume)  # of mass, from the bar's middle
+    # Of mass, from the bar's middle.
+    centre = stem_volume * stem_middle / (bar_volume + stem_volume)
     half = [side / 2 for side in BAR]
     top = half[1] - centre
     bottom = -half[1] - centre
@@ -123,10 +125,12 @@ def write_png(name, size, colour):
                     for y in range(size))
 
     def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        check = zlib.crc32(kind + data)
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", check)
 
+    header = struct.pack(">2I5B", size, size, 8, 2, 0, 0, 0)
     with open(name, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">2I5B", size, size, 8, 2, 0, 0, 0))
+        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header)
                    + chunk(b"IDAT", zlib.compress(rows, 9)) + chunk(b"IEND", b""))
 
 
