@@ -26,8 +26,8 @@ final class Cutter implements AutoCloseable {
     private volatile boolean passing = true;
 
     /**
-     * @param mostBytes after which a connection is cut, 0 for never; how many exactly
-     * is up to chance
+     * @param mostBytes after which a connection is cut, 0 for never; how many exactly is up to
+     *     chance
      */
     Cutter(int server, long seed, int mostBytes) throws IOException {
         this.server = server;

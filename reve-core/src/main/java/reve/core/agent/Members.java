@@ -28,16 +28,17 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldPrototype;
 
 /**
- * The agents that are in a world, and the one place where what they want is checked and done. The same inputs in
- * the same frames and order give the same world, whether they come from connections or from a recording. World's
- * thread only.
+ * The agents that are in a world, and the one place where what they want is checked and done. The
+ * same inputs in the same frames and order give the same world, whether they come from connections
+ * or from a recording. World's thread only.
  */
 public final class Members {
 
     /** Codes of the world's own refusals whose reasons tell more of it than that. */
-    private static final Set<String> TELLING = Set.of("condition-failed", "no-value", "immovable", "no-physics",
-            "not-a-body", "attached", "not-attached", "cannot-attach", "cannot-create", "cannot-remove",
-            "no-such-item", "no-such-property", "out-of-range", "not-a-rotation", "not-a-colour", "not-a-symbol");
+    private static final Set<String> TELLING = Set.of("condition-failed", "no-value", "immovable",
+            "no-physics", "not-a-body", "attached", "not-attached", "cannot-attach",
+            "cannot-create", "cannot-remove", "no-such-item", "no-such-property", "out-of-range",
+            "not-a-rotation", "not-a-colour", "not-a-symbol");
 
     /** The action has an error of its own, which is for the log. */
     private static final String ACTION_FAILED = "action-failed";
@@ -56,12 +57,15 @@ public final class Members {
      * @param needsSight true if one of them needs a line of sight
      * @param rights of the agent
      */
-    private record Body(ItemId id, String name, boolean made, OptionalInt place, List<Sensor> sensors,
-            List<Sensor> ofActions, boolean needsSight, Rights rights) {
+    private record Body(ItemId id, String name, boolean made, OptionalInt place,
+            List<Sensor> sensors, List<Sensor> ofActions, boolean needsSight, Rights rights) {
 
-        Body(ItemId id, String name, boolean made, OptionalInt place, List<Sensor> sensors, Rights rights) {
+        Body(ItemId id, String name, boolean made, OptionalInt place, List<Sensor> sensors,
+                Rights rights) {
             this(id, name, made, place, sensors,
-                    sensors.stream().filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS)).toList(),
+                    sensors.stream()
+                            .filter(sensor -> sensor.aspects().contains(Sensor.Aspect.ACCESS))
+                            .toList(),
                     sensors.stream().anyMatch(Sensor::lineOfSight), rights);
         }
 
@@ -99,8 +103,8 @@ public final class Members {
             return new Outcome.Refused(frame, e.code(), e.getMessage(), e.hint());
         } catch (ActionRefused e) {
             return e.code().equals(ACTION_FAILED) ? new Outcome.Failed(frame, e)
-                    : new Outcome.Refused(frame, e.code(), Text.visible(String.valueOf(e.getMessage())),
-                            Optional.empty());
+                    : new Outcome.Refused(frame, e.code(),
+                            Text.visible(String.valueOf(e.getMessage())), Optional.empty());
         } catch (RuntimeException e) {
             return new Outcome.Failed(frame, e);
         }
@@ -121,11 +125,13 @@ public final class Members {
     }
 
     /**
-     * The world has become one that it was. Who is in it now stays: with the body lent to it; or with the one that
-     * was made for it, as it was then, or made anew if there was none. Bodies of others who were there then go.
+     * The world has become one that it was. Who is in it now stays: with the body lent to it; or
+     * with the one that was made for it, as it was then, or made anew if there was none. Bodies of
+     * others who were there then go.
      *
      * @param then what {@link #bodies} were when the world was like this
-     * @return Joined for each who is there now, or Refused for those who cannot have a body any more and have left
+     * @return Joined for each who is there now, or Refused for those who cannot have a body any
+     *     more and have left
      */
     Map<String, Outcome> rewound(World world, long frame, Map<String, ItemId> then) {
         then.forEach((agent, id) -> {
@@ -157,11 +163,12 @@ public final class Members {
         }
     }
 
-    private Body embody(World world, String agent, Optional<ItemId> then, Body before) throws Ending {
+    private Body embody(World world, String agent, Optional<ItemId> then, Body before)
+            throws Ending {
         Optional<Item> own = then.filter(id -> isMade(world, id)).flatMap(world::find);
         if (own.isPresent()) {
-            return new Body(own.get().id(), own.get().name(), true, before.place(), own.get().sensors(),
-                    before.rights());
+            return new Body(own.get().id(), own.get().name(), true, before.place(),
+                    own.get().sensors(), before.rights());
         }
         return make(world, agent, policy.template().orElseThrow(), before.place(), before.rights());
     }
@@ -199,8 +206,8 @@ public final class Members {
         }
         if (late.fallback().isPresent()) {
             AgentInput.Fallback fallback = late.fallback().get();
-            var act = new AgentInput.Act(late.agent(), fallback.item().orElse(body.name()), fallback.action(),
-                    fallback.arguments());
+            var act = new AgentInput.Act(late.agent(), fallback.item().orElse(body.name()),
+                    fallback.action(), fallback.arguments());
             perform(world, frame, body, act);
             if (late.told()) {
                 raiseActed(world, frame, act);
@@ -209,12 +216,15 @@ public final class Members {
         return new Outcome.Done(frame);
     }
 
-    private void perform(World world, long frame, Body body, AgentInput.Act act) throws ActionRefused {
+    private void perform(World world, long frame, Body body, AgentInput.Act act)
+            throws ActionRefused {
         Item item = find(world, body, act.item());
         if (!sensesActions(world, body, item)) {
-            throw new ActionRefused("no-such-action", "you sense no actions of the item " + Text.quote(item.name()));
+            throw new ActionRefused("no-such-action",
+                    "you sense no actions of the item " + Text.quote(item.name()));
         }
-        Action action = item.access().find(act.action()).orElseThrow(() -> noSuchAction(item, act.action()));
+        Action action = item.access().find(act.action())
+                .orElseThrow(() -> noSuchAction(item, act.action()));
         Arguments arguments = Arguments.check(action, act.arguments());
         for (Parameter parameter : action.parameters()) {
             if (parameter.type() == ParameterType.ITEM && !body.sensors.isEmpty()) {
@@ -234,24 +244,28 @@ public final class Members {
             if (body.sensors.isEmpty() || !TELLING.contains(e.code())) {
                 throw e;
             }
-            throw new ActionRefused(e.code(), "the action " + Text.quote(action.name()) + " of item "
-                    + Text.quote(call.target().name()) + " cannot be done now", e);
+            throw new ActionRefused(e.code(), "the action " + Text.quote(action.name())
+                    + " of item " + Text.quote(call.target().name()) + " cannot be done now", e);
         }
     }
 
-    /** An item that an agent does not sense is none to it; the refusal must not tell the difference. */
+    /**
+     * An item that an agent does not sense is none to it; the refusal must not tell the difference.
+     */
     private Item find(World world, Body body, String name) throws ActionRefused {
         Optional<Item> item = world.find(name);
         if (body.sensors.isEmpty()) {
             return item.orElseThrow(() -> new ActionRefused("no-such-item",
                     "the world has no item " + Text.quote(name)));
         }
-        return item.filter(there -> senses(world, body, body.sensors, there.id())).orElseThrow(() -> new ActionRefused(
-                "no-such-item", "you sense no item " + Text.quote(name)));
+        return item.filter(there -> senses(world, body, body.sensors, there.id()))
+                .orElseThrow(() -> new ActionRefused("no-such-item",
+                        "you sense no item " + Text.quote(name)));
     }
 
     private boolean sensesActions(World world, Body body, Item item) {
-        return body.ofActions.size() == body.sensors.size() || senses(world, body, body.ofActions, item.id());
+        return body.ofActions.size() == body.sensors.size()
+                || senses(world, body, body.ofActions, item.id());
     }
 
     private boolean senses(World world, Body body, List<Sensor> sensors, ItemId item) {
@@ -278,8 +292,9 @@ public final class Members {
 
     private static ActionRefused noSuchAction(Item item, String wanted) {
         List<String> names = item.access().actions().stream().map(Action::name).toList();
-        return new ActionRefused("no-such-action", "the item " + Text.quote(item.name()) + " has no action "
-                + Text.quote(wanted) + (names.isEmpty() ? "; it has none" : "; it has " + names));
+        return new ActionRefused("no-such-action", "the item " + Text.quote(item.name())
+                + " has no action " + Text.quote(wanted)
+                + (names.isEmpty() ? "; it has none" : "; it has " + names));
     }
 
     // ---- joining and leaving ----
@@ -313,7 +328,8 @@ public final class Members {
     }
 
     private static void raiseLeft(World world, long frame, String agent, Body body, String reason) {
-        world.raise(new WorldEvent(frame, "left", fields("agent", agent, "body", body.name(), "reason", reason)));
+        world.raise(new WorldEvent(frame, "left",
+                fields("agent", agent, "body", body.name(), "reason", reason)));
     }
 
     /** The lent item that an agent asks for, else any free one, else a new item. */
@@ -321,7 +337,8 @@ public final class Members {
         Rights rights = join.rights();
         if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
             throw Ending.refused("no-bodies", "world " + world.name() + " grants agents no body",
-                    "add `agents: {body: {...}}` or `agents: {bodies: [item, ...]}` to the world file");
+                    "add `agents: {body: {...}}` or `agents: {bodies: [item, ...]}` "
+                            + "to the world file");
         }
         if (join.body().isPresent()) {
             return lend(requireFree(world, join.body().get(), rights), rights);
@@ -333,7 +350,8 @@ public final class Members {
             }
         }
         if (rights.bodies().isPresent()) {
-            throw Ending.refused("no-body-free", "no body that your token opens is free in world " + world.name(),
+            throw Ending.refused("no-body-free",
+                    "no body that your token opens is free in world " + world.name(),
                     "it opens " + new TreeSet<>(rights.bodies().get()));
         }
         ItemDefinition template = policy.template().orElseThrow(() -> Ending.refused("no-body-free",
@@ -344,7 +362,8 @@ public final class Members {
 
     private Item requireFree(World world, String name, Rights rights) throws Ending {
         if (!rights.opensBody(name)) {
-            throw Ending.refused("not-permitted", "your token does not open the body " + Text.quote(name),
+            throw Ending.refused("not-permitted",
+                    "your token does not open the body " + Text.quote(name),
                     "it opens " + new TreeSet<>(rights.bodies().orElseThrow()));
         }
         if (!policy.bodies().contains(name)) {
@@ -370,19 +389,20 @@ public final class Members {
         if (policy.places().isEmpty()) {
             return OptionalInt.empty();
         }
-        Set<Integer> taken = bodies.values().stream().flatMapToInt(body -> body.place().stream()).boxed()
-                .collect(Collectors.toSet());
+        Set<Integer> taken = bodies.values().stream()
+                .flatMapToInt(body -> body.place().stream()).boxed().collect(Collectors.toSet());
         for (int place = 0; place < policy.places().size(); place++) {
             if (!taken.contains(place)) {
                 return OptionalInt.of(place);
             }
         }
-        throw Ending.refused("no-body-free", "all " + policy.places().size() + " places of agents' bodies in world "
-                + world.name() + " are taken", "try again when an agent has left");
+        throw Ending.refused("no-body-free", "all " + policy.places().size()
+                + " places of agents' bodies in world " + world.name() + " are taken",
+                "try again when an agent has left");
     }
 
-    private Body make(World world, String agent, ItemDefinition template, OptionalInt place, Rights rights)
-            throws Ending {
+    private Body make(World world, String agent, ItemDefinition template, OptionalInt place,
+            Rights rights) throws Ending {
         if (world.find(agent).isPresent()) {
             throw Ending.nameTaken(agent);
         }

@@ -26,7 +26,8 @@ record Mentions(Map<String, Mention> byField, List<Mention> items) {
     record Mention(String name, Optional<ItemId> id) {}
 
     /** @param bodyOf the body's name of an agent, by its name */
-    static Mentions in(WorldEvent event, Observatory world, Function<String, Optional<String>> bodyOf) {
+    static Mentions in(WorldEvent event, Observatory world,
+            Function<String, Optional<String>> bodyOf) {
         var byField = new HashMap<String, Mention>();
         var items = new ArrayList<Mention>(2);
         event.fields().forEach((field, value) -> {
@@ -40,7 +41,8 @@ record Mentions(Map<String, Mention> byField, List<Mention> items) {
         if (byField.containsKey("body")) {
             byField.put(AGENT, byField.get("body"));
         } else if (agent != null) {
-            bodyOf.apply(String.valueOf(agent)).ifPresent(name -> byField.put(AGENT, mention(name, world)));
+            bodyOf.apply(String.valueOf(agent))
+                    .ifPresent(name -> byField.put(AGENT, mention(name, world)));
         }
         return new Mentions(byField, items);
     }

@@ -13,7 +13,10 @@ import tools.jackson.databind.node.ArrayNode;
 import tools.jackson.databind.node.JsonNodeFactory;
 import tools.jackson.databind.node.ObjectNode;
 
-/** Reads MessagePack into the same tree as JSON, with the same limits: what JSON has no form for is refused. */
+/**
+ * Reads MessagePack into the same tree as JSON, with the same limits: what JSON has no
+ * form for is refused.
+ */
 final class MessagePackReader {
 
     private static final JsonNodeFactory NODES = JsonNodeFactory.instance;
@@ -35,10 +38,14 @@ final class MessagePackReader {
         this.bytes = message.remaining();
     }
 
-    /** @throws IllegalArgumentException saying what is wrong, if the bytes are not one value and nothing else */
+    /**
+     * @throws IllegalArgumentException saying what is wrong, if the bytes are not one value and
+     *     nothing else
+     */
     static JsonNode read(ByteBuffer message) {
         return read(message, bytes -> {
-            throw new IllegalArgumentException("a value of type BINARY, expected what JSON has too");
+            throw new IllegalArgumentException(
+                    "a value of type BINARY, expected what JSON has too");
         });
     }
 
@@ -117,21 +124,25 @@ final class MessagePackReader {
         for (int i = 0; i < length; i++) {
             String key = text();
             if (map.has(key)) {
-                throw new IllegalArgumentException("the key " + Text.quote(key) + " is there twice");
+                throw new IllegalArgumentException(
+                        "the key " + Text.quote(key) + " is there twice");
             }
             map.set(key, value(depth - 1));
         }
         return map;
     }
 
-    /** Every element takes a byte at least, so a length that cannot be true is found before anything is kept. */
+    /**
+     * Every element takes a byte at least, so a length that cannot be true is found
+     * before anything is kept.
+     */
     private int length(int claimed, int depth) {
         if (depth == 0) {
             throw new IllegalArgumentException("it is nested deeper than " + Json.MAX_DEPTH);
         }
         if (claimed < 0 || claimed > bytes - unpacker.getTotalReadBytes()) {
-            throw new IllegalArgumentException(
-                    "a list or map of " + claimed + " elements does not fit into " + bytes + " bytes");
+            throw new IllegalArgumentException("a list or map of " + claimed
+                    + " elements does not fit into " + bytes + " bytes");
         }
         return claimed;
     }

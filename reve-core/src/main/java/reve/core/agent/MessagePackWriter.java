@@ -2,7 +2,10 @@ package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
 
-/** Writes MessagePack (github.com/msgpack/msgpack, spec.md), each value in the shortest form of its type. */
+/**
+ * Writes MessagePack (github.com/msgpack/msgpack, spec.md), each value in the shortest
+ * form of its type.
+ */
 record MessagePackWriter(Bytes out) implements MessageWriter {
 
     @Override

@@ -52,7 +52,8 @@ final class MessageReader {
 
     private static String decode(ByteBuffer line) throws BadMessage {
         try {
-            return Text.decode(line.array(), line.arrayOffset() + line.position(), line.remaining());
+            return Text.decode(line.array(), line.arrayOffset() + line.position(),
+                    line.remaining());
         } catch (CharacterCodingException e) {
             throw new BadMessage(NO_ID, "bad-utf8", "the line is not UTF-8", EXAMPLE);
         }
@@ -69,7 +70,8 @@ final class MessageReader {
         } catch (JacksonException e) {
             String reason = e.getOriginalMessage();
             throw badJson("the line is not JSON: "
-                    + (reason.length() > MAX_REASON ? reason.substring(0, MAX_REASON) + "…" : reason));
+                    + (reason.length() > MAX_REASON
+                            ? reason.substring(0, MAX_REASON) + "…" : reason));
         }
     }
 
@@ -107,21 +109,24 @@ final class MessageReader {
         var fields = new Fields(message);
         JsonNode type = message.get("t");
         if (type == null || !type.isString()) {
-            throw new BadMessage(fields.id, "no-type", "the field t must say which message this is", EXAMPLE);
+            throw new BadMessage(fields.id, "no-type",
+                    "the field t must say which message this is", EXAMPLE);
         }
         return switch (type.stringValue()) {
-            case "hello" -> new ClientMessage.Hello(fields.id, (int) fields.integer("protocol", 0, Integer.MAX_VALUE),
-                    fields.text("name"), fields.optionalText("role").orElse("agent"), fields.optionalText("world"),
+            case "hello" -> new ClientMessage.Hello(fields.id,
+                    (int) fields.integer("protocol", 0, Integer.MAX_VALUE), fields.text("name"),
+                    fields.optionalText("role").orElse("agent"), fields.optionalText("world"),
                     fields.optionalText("body"),
                     fields.optionalText("encoding").orElse(Encoding.JSON.wireName()),
-                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0, fields.lockStep(),
-                    fields.resume(), fields.optionalText("token"));
+                    fields.has("graceSeconds") ? fields.number("graceSeconds", 0, MAX_SECONDS) : 0,
+                    fields.lockStep(), fields.resume(), fields.optionalText("token"));
             case "perceive" -> new ClientMessage.Perceive(fields.id, fields.has("every")
                     ? (int) fields.integer("every", 0, MAX_EVERY) : ClientMessage.Perceive.ONCE,
                     fields.isTrue("relations"));
             case "look" -> new ClientMessage.Look(fields.required(), fields.text("sensor"));
-            case "act" -> new ClientMessage.Act(fields.required(), fields.text("item"), fields.text("action"),
-                    fields.arguments(), fields.isTrue("ready") ? Optional.of(fields.ready()) : Optional.empty());
+            case "act" -> new ClientMessage.Act(fields.required(), fields.text("item"),
+                    fields.text("action"), fields.arguments(),
+                    fields.isTrue("ready") ? Optional.of(fields.ready()) : Optional.empty());
             case "ready" -> fields.ready();
             case "pause" -> new ClientMessage.Pause(fields.required());
             case "run" -> new ClientMessage.Run(fields.required());
@@ -129,22 +134,26 @@ final class MessageReader {
                     ? (int) fields.integer("frames", 1, MAX_EVERY) : 1);
             case "load-law" -> new ClientMessage.LoadLaw(fields.required(), fields.text("library"),
                     fields.parameters());
-            case "unload-law" -> new ClientMessage.UnloadLaw(fields.required(), fields.text("library"));
-            case "edit" -> new ClientMessage.Edit(fields.required(), fields.text("item"), fields.text("property"),
-                    fields.value());
+            case "unload-law" ->
+                    new ClientMessage.UnloadLaw(fields.required(), fields.text("library"));
+            case "edit" -> new ClientMessage.Edit(fields.required(), fields.text("item"),
+                    fields.text("property"), fields.value());
             case "picture" -> new ClientMessage.Picture(fields.required());
             case "snapshot" -> new ClientMessage.Snapshot(fields.required(), fields.image());
-            case "rewind" -> new ClientMessage.Rewind(fields.required(), fields.optionalText("image"));
+            case "rewind" ->
+                    new ClientMessage.Rewind(fields.required(), fields.optionalText("image"));
             case "save" -> new ClientMessage.Save(fields.required(), fields.text("file"));
-            case "fork" -> new ClientMessage.Fork(fields.required(), (int) fields.integer("frames", 0, MAX_EVERY));
+            case "fork" -> new ClientMessage.Fork(fields.required(),
+                    (int) fields.integer("frames", 0, MAX_EVERY));
             case "shut-down" -> new ClientMessage.ShutDown(fields.required());
             case "ping" -> new ClientMessage.Ping(fields.id);
             case "pong" -> new ClientMessage.Pong(fields.id);
             case "bye" -> new ClientMessage.Bye(fields.id);
             default -> throw new BadMessage(fields.id, "unknown-type",
                     "there is no message " + Text.quote(type.stringValue()) + " in protocol 1",
-                    "a client sends hello, perceive, look, act, ready, ping, pong or bye; in the role control also pause, "
-                            + "run, step, load-law, unload-law, edit, picture, snapshot, rewind, save, fork or shut-down");
+                    "a client sends hello, perceive, look, act, ready, ping, pong or bye; "
+                            + "in the role control also pause, run, step, load-law, unload-law, "
+                            + "edit, picture, snapshot, rewind, save, fork or shut-down");
         };
     }
 
@@ -195,11 +204,14 @@ final class MessageReader {
                 case "real-time" -> Optional.empty();
                 case "lock-step" -> {
                     if (!optionalText("role").orElse("agent").equals("agent")) {
-                        throw bad(id, "mode", "is \"lock-step\"", "expected \"real-time\" for who is no agent");
+                        throw bad(id, "mode", "is \"lock-step\"",
+                                "expected \"real-time\" for who is no agent");
                     }
                     yield Optional.of(new ClientMessage.LockStep(
-                            time.has("every") ? (int) time.integer("every", 1, MAX_EVERY) : 1, time.isTrue("relations"),
-                            time.has("deadline") ? time.number("deadline", 0, MAX_SECONDS) : DEFAULT_DEADLINE_SECONDS,
+                            time.has("every") ? (int) time.integer("every", 1, MAX_EVERY) : 1,
+                            time.isTrue("relations"),
+                            time.has("deadline") ? time.number("deadline", 0, MAX_SECONDS)
+                                    : DEFAULT_DEADLINE_SECONDS,
                             time.fallback()));
                 }
                 default -> throw bad(id, "mode", "is " + show(field.get("mode")),
@@ -216,13 +228,13 @@ final class MessageReader {
                 throw bad(id, "fallback", "is " + show(field), "expected an object with action");
             }
             var fallback = new Fields(field);
-            return Optional.of(new AgentInput.Fallback(fallback.optionalText("item"), fallback.text("action"),
-                    fallback.arguments()));
+            return Optional.of(new AgentInput.Fallback(fallback.optionalText("item"),
+                    fallback.text("action"), fallback.arguments()));
         }
 
         ClientMessage.Ready ready() throws BadMessage {
-            return new ClientMessage.Ready(id, has("frame") ? OptionalLong.of(integer("frame", 0, MAX_ID))
-                    : OptionalLong.empty());
+            return new ClientMessage.Ready(id, has("frame")
+                    ? OptionalLong.of(integer("frame", 0, MAX_ID)) : OptionalLong.empty());
         }
 
         Optional<ClientMessage.Resume> resume() throws BadMessage {
@@ -231,16 +243,19 @@ final class MessageReader {
                 return Optional.empty();
             }
             if (!field.isObject()) {
-                throw bad(id, "resume", "is " + show(field), "expected an object with session and frame");
+                throw bad(id, "resume", "is " + show(field),
+                        "expected an object with session and frame");
             }
             var resume = new Fields(field);
-            return Optional.of(new ClientMessage.Resume(resume.text("session"), resume.integer("frame", 0, MAX_ID)));
+            return Optional.of(new ClientMessage.Resume(resume.text("session"),
+                    resume.integer("frame", 0, MAX_ID)));
         }
 
         Map<String, Double> parameters() throws BadMessage {
             var parameters = new LinkedHashMap<String, Double>();
             for (Map.Entry<String, JsonNode> parameter : object("parameters").entrySet()) {
-                parameters.put(parameter.getKey(), number("parameters", parameter.getKey(), parameter.getValue()));
+                parameters.put(parameter.getKey(),
+                        number("parameters", parameter.getKey(), parameter.getValue()));
             }
             return parameters;
         }
@@ -248,13 +263,15 @@ final class MessageReader {
         Object value() throws BadMessage {
             JsonNode field = find("value");
             if (field == null) {
-                throw bad(id, "value", "is missing", "expected a number, a list of numbers, a text, or true or false");
+                throw bad(id, "value", "is missing",
+                        "expected a number, a list of numbers, a text, or true or false");
             }
             return value("value", "value", field);
         }
 
         String text(String name) throws BadMessage {
-            return optionalText(name).orElseThrow(() -> bad(id, name, "is missing", "expected a text"));
+            return optionalText(name)
+                    .orElseThrow(() -> bad(id, name, "is missing", "expected a text"));
         }
 
         Optional<String> optionalText(String name) throws BadMessage {
@@ -271,7 +288,8 @@ final class MessageReader {
         String image() throws BadMessage {
             String name = text("image");
             if (name.length() > MAX_IMAGE_NAME) {
-                throw bad(id, "image", "has " + name.length() + " characters", "expected at most " + MAX_IMAGE_NAME);
+                throw bad(id, "image", "has " + name.length() + " characters",
+                        "expected at most " + MAX_IMAGE_NAME);
             }
             return name;
         }
@@ -292,7 +310,8 @@ final class MessageReader {
         Map<String, Object> arguments() throws BadMessage {
             var arguments = new LinkedHashMap<String, Object>();
             for (Map.Entry<String, JsonNode> argument : object("arguments").entrySet()) {
-                arguments.put(argument.getKey(), value("arguments", argument.getKey(), argument.getValue()));
+                arguments.put(argument.getKey(),
+                        value("arguments", argument.getKey(), argument.getValue()));
             }
             return arguments;
         }
@@ -303,7 +322,8 @@ final class MessageReader {
                 return Map.of();
             }
             if (!field.isObject()) {
-                throw bad(id, name, "is " + show(field), "expected an object of values by parameter name");
+                throw bad(id, name, "is " + show(field),
+                        "expected an object of values by parameter name");
             }
             var values = new LinkedHashMap<String, JsonNode>();
             field.properties().forEach(entry -> values.put(entry.getKey(), entry.getValue()));
@@ -355,7 +375,8 @@ final class MessageReader {
         }
 
         private static BadMessage bad(long answerTo, String name, String found, String expected) {
-            return new BadMessage(answerTo, "bad-field", "the field " + name + " " + found, expected);
+            return new BadMessage(answerTo, "bad-field",
+                    "the field " + name + " " + found, expected);
         }
 
         private static String show(JsonNode field) {

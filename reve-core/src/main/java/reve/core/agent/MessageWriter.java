@@ -45,14 +45,18 @@ interface MessageWriter {
         endList();
     }
 
-    /** String, Boolean, Number, byte[], or a List or a Map by text of such. What is not finite is written as text. */
+    /**
+     * String, Boolean, Number, byte[], or a List or a Map by text of such. What is not
+     * finite is written as text.
+     */
     default void value(Object value) {
         switch (value) {
             case String text -> text(text);
             case Boolean truth -> truth(truth);
             case Integer number -> integer(number);
             case Long number -> integer(number);
-            case Number number when Double.isFinite(number.doubleValue()) -> number(number.doubleValue());
+            case Number number when Double.isFinite(number.doubleValue()) ->
+                    number(number.doubleValue());
             case Number number -> text(Double.toString(number.doubleValue()));
             case byte[] bytes -> bytes(bytes);
             case List<?> list -> {

@@ -27,8 +27,9 @@ import reve.core.world.WorldPrototype;
 import reve.core.world.WorldSnapshot;
 
 /**
- * The newest frame as the publisher has read it: all that there is to perceive, and what sensors make of it. What
- * did not change since the frame before is the same object as there. The event loop's thread.
+ * The newest frame as the publisher has read it: all that there is to perceive, and what sensors
+ * make of it. What did not change since the frame before is the same object as there. The event
+ * loop's thread.
  */
 final class Observatory {
 
@@ -66,7 +67,11 @@ final class Observatory {
     private double moved;
     private double path;
 
-    /** Reads a frame. @return false if the snapshot was lost meanwhile; then nothing here is to be used */
+    /**
+     * Reads a frame.
+     *
+     * @return false if the snapshot was lost meanwhile; then nothing here is to be used
+     */
     boolean read(WorldSnapshot snapshot) {
         try {
             TableSnapshot table = snapshot.table(WorldPrototype.BODY);
@@ -112,7 +117,8 @@ final class Observatory {
             if (!item.kind().equals(WorldPrototype.WORLD)) {
                 Seen before = known.get(item.id());
                 same.add(before);
-                present.add(before != null && before.item().source() == item ? before.item() : new EncodedItem(item));
+                present.add(before != null && before.item().source() == item ? before.item()
+                        : new EncodedItem(item));
                 names.put(item.name(), item.id());
             }
         }
@@ -149,8 +155,8 @@ final class Observatory {
     private void readPlaces() {
         for (int i = 0; i < items.length; i++) {
             if (seen[i] == null || !isSame(seen[i], items[i], rows[i])) {
-                seen[i] = new Seen(items[i], rows[i] == NO_ROW ? null : bodies.place(rows[i]), Shown.EVERYTHING,
-                        Map.of());
+                seen[i] = new Seen(items[i], rows[i] == NO_ROW ? null : bodies.place(rows[i]),
+                        Shown.EVERYTHING, Map.of());
             }
         }
     }
@@ -191,7 +197,8 @@ final class Observatory {
         }
     }
 
-    private static Map<String, List<String>> relationsOf(Seen seen, Relations relations, Set<String> perceived) {
+    private static Map<String, List<String>> relationsOf(Seen seen, Relations relations,
+            Set<String> perceived) {
         var all = new LinkedHashMap<String, List<String>>();
         for (String relation : RELATIONS) {
             if (seen.shown().symbols().map(names -> names.contains(relation)).orElse(true)) {
@@ -216,7 +223,8 @@ final class Observatory {
         int eye = everything.indexOf(body);
         gather(sensor, eye, around);
         return isGathered(before) ? before
-                : Collections.unmodifiableList(Arrays.asList(Arrays.copyOf(gathered, gatheredCount)));
+                : Collections.unmodifiableList(
+                        Arrays.asList(Arrays.copyOf(gathered, gatheredCount)));
     }
 
     private boolean isGathered(List<Seen> items) {
@@ -241,7 +249,8 @@ final class Observatory {
             }
             return;
         }
-        if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited() || Double.isInfinite(sensor.range())) {
+        if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited()
+                || Double.isInfinite(sensor.range())) {
             for (int i = 0; i < items.length; i++) {
                 add(sensor, eye, i, shown);
             }
@@ -275,7 +284,8 @@ final class Observatory {
             gather(seen[i]);
         } else if (senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i])) {
             Seen known = shown[i];
-            if (known == null || known.item() != seen[i].item() || known.place() != seen[i].place()) {
+            if (known == null || known.item() != seen[i].item()
+                    || known.place() != seen[i].place()) {
                 known = new Seen(seen[i].item(), seen[i].place(), Shown.by(sensor), Map.of());
                 shown[i] = known;
             }
@@ -283,7 +293,9 @@ final class Observatory {
         }
     }
 
-    /** Finds all that a sensor of limited range can sense, and perhaps more, in the order of ids. */
+    /**
+     * Finds all that a sensor of limited range can sense, and perhaps more, in the order of ids.
+     */
     private void lookAround(Sensor sensor, int eye, Surroundings around) {
         double range = sensor.range();
         if (around.holds(range, arrangement, path)) {
@@ -325,7 +337,8 @@ final class Observatory {
     }
 
     /**
-     * Writes a box outside of which none of a body's sensors reaches anything, with the body itself.
+     * Writes a box outside of which none of a body's sensors reaches anything, with the body
+     * itself.
      *
      * @param at where its three numbers go in both arrays
      * @return false if there is none
@@ -354,7 +367,8 @@ final class Observatory {
     }
 
     private boolean senses(Sensor sensor, int eye, int row) {
-        return sensor.isUnlimited() || eye != NO_ROW && row != NO_ROW && bodies.senses(sensor, eye, row);
+        return sensor.isUnlimited()
+                || eye != NO_ROW && row != NO_ROW && bodies.senses(sensor, eye, row);
     }
 
     private int row(ItemId id) {

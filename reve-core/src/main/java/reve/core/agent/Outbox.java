@@ -6,8 +6,9 @@ import java.util.List;
 import org.jspecify.annotations.Nullable;
 
 /**
- * What waits to be written to one client. Messages keep their order and are bounded; of perceptions only the
- * newest waits, and what is different in it from the one before is worked out when it is written. Filled from any thread, emptied by the event loop.
+ * What waits to be written to one client. Messages keep their order and are bounded; of perceptions
+ * only the newest waits, and what is different in it from the one before is worked out when it is
+ * written. Filled from any thread, emptied by the event loop.
  */
 final class Outbox {
 
@@ -31,7 +32,10 @@ final class Outbox {
     private final Deque<Message> missed = new ArrayDeque<>();
     private final Deque<Waiting> messages = new ArrayDeque<>();
     private int bytes;
-    /** Of the last frame that anything happened in: what waits of it is nobody's fault before the next one. */
+    /**
+     * Of the last frame that anything happened in: what waits of it is nobody's fault
+     * before the next one.
+     */
     private long happenedIn = -1;
     private int happened;
     private int happenedBytes;
@@ -69,7 +73,8 @@ final class Outbox {
     }
 
     /**
-     * Adds what happened in a frame. However much that is, only what is left of earlier frames counts as piled up.
+     * Adds what happened in a frame. However much that is, only what is left of earlier frames
+     * counts as piled up.
      *
      * @return false if the client has let too much pile up
      */
@@ -92,7 +97,8 @@ final class Outbox {
     }
 
     private boolean isFull(int excusedMessages, int excusedBytes, byte[] line) {
-        return messages.size() - excusedMessages >= maxMessages || bytes - excusedBytes + line.length > maxBytes;
+        return messages.size() - excusedMessages >= maxMessages
+                || bytes - excusedBytes + line.length > maxBytes;
     }
 
     /** Adds the perception that was asked for once; the one before has been written. */

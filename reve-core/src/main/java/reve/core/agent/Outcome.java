@@ -23,7 +23,8 @@ public sealed interface Outcome {
      *
      * @param hint what to do about it
      */
-    record Refused(long frame, String code, String reason, Optional<String> hint) implements Outcome {}
+    record Refused(long frame, String code, String reason, Optional<String> hint)
+            implements Outcome {}
 
     /** The action has an error of its own, which is for whoever wrote it. */
     record Failed(long frame, Exception cause) implements Outcome {}

@@ -27,7 +27,10 @@ final class PerceptionRequests {
         this.served = served;
     }
 
-    /** An agent in lock-step perceives the first frame of each of its rounds, until it asks for something else. */
+    /**
+     * An agent in lock-step perceives the first frame of each of its rounds, until it
+     * asks for something else.
+     */
     synchronized void follow(Turn its, long answerTo) {
         turn = its;
         everyId = answerTo;

@@ -13,8 +13,8 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldSnapshot;
 
 /**
- * Tells agents what the frames brought: results, events, perceptions. The world's thread only leaves word here,
- * without a lock; the event loop does the work for all agents.
+ * Tells agents what the frames brought: results, events, perceptions. The world's thread only
+ * leaves word here, without a lock; the event loop does the work for all agents.
  */
 final class Publisher {
 
@@ -128,15 +128,17 @@ final class Publisher {
 
     private void publish() {
         dropWhoHasLeft();
-        // First the snapshot, then events, then commands: so that whoever perceives a frame has been told before
-        // what happened in it, and whoever joined in a frame is there to hear its events. Events wait for the
-        // snapshot of their frame, which says who perceives what they are about.
+        // First the snapshot, then events, then commands: so that whoever perceives a frame has
+        // been told before what happened in it, and whoever joined in a frame is there to hear its
+        // events. Events wait for the snapshot of their frame, which says who perceives what they
+        // are about.
         Optional<WorldSnapshot> snapshot = unservedSnapshot();
         try {
             for (Runnable report = reports.poll(); report != null; report = reports.poll()) {
                 report.run();
             }
-            boolean wanted = snapshot.filter(frame -> isWanted(frame, !events.isEmpty())).isPresent();
+            boolean wanted = snapshot.filter(frame -> isWanted(frame, !events.isEmpty()))
+                    .isPresent();
             if (wanted && !observatory.read(snapshot.get())) {
                 return; // overwritten while we read: the next frame is here already
             }
@@ -173,16 +175,20 @@ final class Publisher {
         return latest;
     }
 
-    /** All events of the frames up to the one that is served: they were here before its snapshot. */
+    /**
+     * All events of the frames up to the one that is served: they were here before its snapshot.
+     */
     private void tellEvents() {
         int lost = lostEventFrames.getAndSet(0);
         if (lost > 0) {
-            log.warn("agents will never hear the events of " + lost + " frames: too many were waiting");
+            log.warn("agents will never hear the events of " + lost
+                    + " frames: too many were waiting");
         }
         if (!events.isEmpty()) {
             audience.locate(members.values(), observatory);
         }
-        for (Happened next = events.peek(); next != null && next.frame <= served; next = events.peek()) {
+        for (Happened next = events.peek(); next != null && next.frame <= served;
+                next = events.peek()) {
             events.remove();
             eventFrames.decrementAndGet();
             next.events.forEach(this::tell);

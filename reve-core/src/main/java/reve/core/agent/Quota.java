@@ -1,9 +1,9 @@
 package reve.core.agent;
 
 /**
- * How many messages of a client may still be taken: at most as many as in a second, which come back with time. A second
- * is one of the clock, or of the frames that are counted if these go faster. It begins with few, so that nobody gains
- * by coming anew. The event loop's thread.
+ * How many messages of a client may still be taken: at most as many as in a second, which come back
+ * with time. A second is one of the clock, or of the frames that are counted if these go faster. It
+ * begins with few, so that nobody gains by coming anew. The event loop's thread.
  */
 final class Quota {
 
@@ -26,7 +26,8 @@ final class Quota {
 
     /** True if one more message may be taken. */
     boolean hasLeft(long nowNanos, long nowFrame) {
-        double seconds = Math.max((nowNanos - nanos) * 1e-9, (double) (nowFrame - frame) / framesPerSecond);
+        double seconds =
+                Math.max((nowNanos - nanos) * 1e-9, (double) (nowFrame - frame) / framesPerSecond);
         nanos = nowNanos;
         frame = nowFrame;
         left = Math.min(messagesPerSecond, left + seconds * messagesPerSecond);

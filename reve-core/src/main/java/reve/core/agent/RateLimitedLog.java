@@ -5,7 +5,10 @@ import java.util.function.Supplier;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
-/** A log that clients cannot flood: so many lines a second, then one that says how many were left out. Any thread. */
+/**
+ * A log that clients cannot flood: so many lines a second, then one that says how many
+ * were left out. Any thread.
+ */
 final class RateLimitedLog {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.agents");

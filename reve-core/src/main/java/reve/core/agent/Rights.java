@@ -4,8 +4,8 @@ import java.util.Optional;
 import java.util.Set;
 
 /**
- * What a client may be and do. Whatever is not named here is refused, but for what is empty: an absent set does not
- * restrict.
+ * What a client may be and do. Whatever is not named here is refused, but for what is empty: an
+ * absent set does not restrict.
  *
  * @param roles that it may join in
  * @param worlds that it may join, by name
@@ -17,8 +17,8 @@ public record Rights(Set<Role> roles, Optional<Set<String>> worlds, Optional<Set
         Optional<Set<String>> capabilities, boolean lockStep) {
 
     /** All there are: of whoever can connect to a server without tokens. */
-    public static final Rights ALL =
-            new Rights(Set.of(Role.values()), Optional.empty(), Optional.empty(), Optional.empty(), true);
+    public static final Rights ALL = new Rights(Set.of(Role.values()),
+            Optional.empty(), Optional.empty(), Optional.empty(), true);
 
     public Rights {
         roles = Set.copyOf(roles);

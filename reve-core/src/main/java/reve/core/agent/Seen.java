@@ -8,8 +8,9 @@ import reve.core.world.ItemId;
 import reve.core.world.Sensor.Aspect;
 
 /**
- * What is perceived of one item in one frame. What did not change since the frame before is the same object as there,
- * and what is told of it is encoded once for all who perceive the same. Event loop's thread.
+ * What is perceived of one item in one frame. What did not change since the frame before is the
+ * same object as there, and what is told of it is encoded once for all who perceive the same. Event
+ * loop's thread.
  */
 final class Seen {
 
@@ -27,7 +28,8 @@ final class Seen {
      * @param place location (3) [m] and orientation (4), null for what has no place; never changed
      * @param relations names of items by relation, where the agent asked for them
      */
-    Seen(EncodedItem item, double @Nullable [] place, Shown shown, Map<String, List<String>> relations) {
+    Seen(EncodedItem item, double @Nullable [] place, Shown shown,
+            Map<String, List<String>> relations) {
         this.item = item;
         this.place = place;
         this.shown = shown;
@@ -97,13 +99,14 @@ final class Seen {
     }
 
     private boolean isMoved(Seen before, int first, int count) {
-        return shown.has(Aspect.PHYSICAL) && place != null && before.place != null && place != before.place
+        return shown.has(Aspect.PHYSICAL) && place != null && before.place != null
+                && place != before.place
                 && !Arrays.equals(place, first, first + count, before.place, first, first + count);
     }
 
     private boolean hasOtherSymbols(Seen before) {
-        return shown.has(Aspect.SEMANTIC) && (!relations.equals(before.relations) || item != before.item
-                && !Arrays.equals(symbols(), before.symbols()));
+        return shown.has(Aspect.SEMANTIC) && (!relations.equals(before.relations)
+                || item != before.item && !Arrays.equals(symbols(), before.symbols()));
     }
 
     private byte[] symbols() {
@@ -111,7 +114,8 @@ final class Seen {
     }
 
     private boolean hasOtherActions(Seen before) {
-        return shown.has(Aspect.ACCESS) && item.source().actions() != before.item.source().actions();
+        return shown.has(Aspect.ACCESS)
+                && item.source().actions() != before.item.source().actions();
     }
 
     private void writeWhole(MessageWriter writer) {
@@ -119,22 +123,24 @@ final class Seen {
         boolean turned = known != null && !Arrays.equals(known, 3, 7, NOT_TURNED, 0, 4);
         boolean access = shown.has(Aspect.ACCESS);
         write(writer, new Fields(known != null, turned, shown.has(Aspect.SEMANTIC), access,
-                access && !item.needs().isEmpty(), access && !item.source().capabilities().isEmpty()));
+                access && !item.needs().isEmpty(),
+                access && !item.source().capabilities().isEmpty()));
     }
 
     private void writeChange(MessageWriter writer, Seen before) {
         boolean actions = hasOtherActions(before);
-        write(writer, new Fields(isMoved(before, 0, 3), isMoved(before, 3, 4), hasOtherSymbols(before), actions,
+        write(writer, new Fields(isMoved(before, 0, 3), isMoved(before, 3, 4),
+                hasOtherSymbols(before), actions,
                 actions && !item.needs().equals(before.item.needs()), false));
     }
 
     /** Which fields of an item are told, beside its name. */
-    private record Fields(boolean location, boolean orientation, boolean symbols, boolean actions, boolean needs,
-            boolean capabilities) {
+    private record Fields(boolean location, boolean orientation, boolean symbols, boolean actions,
+            boolean needs, boolean capabilities) {
 
         int count() {
-            return count(location) + count(orientation) + count(symbols) + count(actions) + count(needs)
-                    + count(capabilities);
+            return count(location) + count(orientation) + count(symbols) + count(actions)
+                    + count(needs) + count(capabilities);
         }
 
         private static int count(boolean field) {

@@ -13,12 +13,13 @@ import reve.core.world.Shape;
 import reve.core.world.TableView;
 
 /**
- * Where all bodies are, and which of them a sensor reaches. Holds a copy of the columns in plain arrays, reused
- * from one frame to the next. One thread.
+ * Where all bodies are, and which of them a sensor reaches. Holds a copy of the columns in plain
+ * arrays, reused from one frame to the next. One thread.
  *
- * <p>A sensor that looks senses an item if at least one of ten points is in its range, in its field of view and not
- * hidden: the point of the item's bounding box that is nearest to the eye, the box's centre, and its eight corners.
- * Hidden is what lies behind the bounding box of a third item that has a shape and does not hold the eye.
+ * <p>A sensor that looks senses an item if at least one of ten points is in its range, in its field
+ * of view and not hidden: the point of the item's bounding box that is nearest to the eye, the
+ * box's centre, and its eight corners. Hidden is what lies behind the bounding box of a third item
+ * that has a shape and does not hold the eye.
  */
 final class SensedWorld {
 
@@ -55,14 +56,15 @@ final class SensedWorld {
         read(bodies.column("orientation"), orientation, 4 * rows);
         read(bodies.column("boundsMin"), low, 3 * rows);
         read(bodies.column("boundsMax"), high, 3 * rows);
-        MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0, shape, 0, rows);
+        MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0,
+                shape, 0, rows);
     }
 
     /**
      * Takes the bodies as they are now, in the rows in which they were before.
      *
-     * @return a way that none of them, nor any corner of its box, has gone further than [m]; NaN or infinite if there
-     *     is none
+     * @return a way that none of them, nor any corner of its box, has gone further than [m]; NaN or
+     *     infinite if there is none
      */
     double follow(TableView bodies) {
         int before = rows;
@@ -106,7 +108,8 @@ final class SensedWorld {
 
     private void buildIndex() {
         if (!indexed) {
-            index.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(low), MemorySegment.ofArray(high), rows);
+            index.build(MemorySegment.ofArray(keys), MemorySegment.ofArray(low),
+                    MemorySegment.ofArray(high), rows);
             indexed = true;
         }
     }
@@ -178,13 +181,16 @@ final class SensedWorld {
         }
     }
 
-    /** Finds the rows of all boxes that a sensor could reach with that range, seen from the body in a row. */
+    /**
+     * Finds the rows of all boxes that a sensor could reach with that range, seen from
+     * the body in a row.
+     */
     void find(int body, Sensor sensor, double range, Found found) {
         buildIndex();
         int at = 3 * body;
         if (sensor.touch()) {
-            index.inBox(new Box(low[at] - range, low[at + 1] - range, low[at + 2] - range, high[at] + range,
-                    high[at + 1] + range, high[at + 2] + range), found);
+            index.inBox(new Box(low[at] - range, low[at + 1] - range, low[at + 2] - range,
+                    high[at] + range, high[at + 1] + range, high[at + 2] + range), found);
         } else {
             index.inSphere(position[at], position[at + 1], position[at + 2], range, found);
         }
@@ -195,7 +201,8 @@ final class SensedWorld {
         if (sensor.isCamera()) {
             return false;
         }
-        return sensor.touch() ? gapSquared(body, row) <= sensor.range() * sensor.range() : sees(sensor, body, row);
+        return sensor.touch() ? gapSquared(body, row) <= sensor.range() * sensor.range()
+                : sees(sensor, body, row);
     }
 
     private double gapSquared(int a, int b) {
@@ -210,7 +217,8 @@ final class SensedWorld {
 
     private boolean sees(Sensor sensor, int body, int row) {
         for (int axis = 0; axis < 3; axis++) {
-            point[axis] = Math.clamp(position[3 * body + axis], low[3 * row + axis], high[3 * row + axis]);
+            point[axis] = Math.clamp(position[3 * body + axis], low[3 * row + axis],
+                    high[3 * row + axis]);
         }
         if (distance(body) > sensor.range()) {
             return false;
@@ -224,7 +232,8 @@ final class SensedWorld {
         boolean seen = isSeen(sensor, body, row);
         for (int corner = 0; corner < CORNERS && !seen; corner++) {
             for (int axis = 0; axis < 3; axis++) {
-                point[axis] = (corner >> axis & 1) == 0 ? low[3 * row + axis] : high[3 * row + axis];
+                point[axis] = (corner >> axis & 1) == 0 ? low[3 * row + axis]
+                        : high[3 * row + axis];
             }
             seen = isSeen(sensor, body, row);
         }
@@ -265,14 +274,18 @@ final class SensedWorld {
         index.onLine(eye, point, between);
         for (int i = 0; i < between.size(); i++) {
             int other = (int) between.key(i);
-            if (other != body && other != row && shape[other] != Shape.NONE && isBetween(body, other)) {
+            if (other != body && other != row && shape[other] != Shape.NONE
+                    && isBetween(body, other)) {
                 return true;
             }
         }
         return false;
     }
 
-    /** Whether the line from the eye to the point crosses a box that does not hold the eye (slab method). */
+    /**
+     * Whether the line from the eye to the point crosses a box that does not hold the
+     * eye (slab method).
+     */
     private boolean isBetween(int body, int box) {
         double enter = 0;
         double leave = 1;

@@ -20,7 +20,10 @@ import reve.core.world.Sensor;
 import reve.core.world.WorldEvent;
 import reve.core.world.WorldSnapshot;
 
-/** What one agent perceives through its body's sensors, each at its own pace. The event loop's thread. */
+/**
+ * What one agent perceives through its body's sensors, each at its own pace. The event
+ * loop's thread.
+ */
 final class Senses {
 
     static final String FAULT = "fault";
@@ -42,7 +45,8 @@ final class Senses {
         this.body = body;
         this.sensors = sensors;
         this.samples = new Sample[sensors.size()];
-        this.surroundings = Stream.generate(Surroundings::new).limit(sensors.size()).toArray(Surroundings[]::new);
+        this.surroundings = Stream.generate(Surroundings::new).limit(sensors.size())
+                .toArray(Surroundings[]::new);
     }
 
     ItemId body() {
@@ -51,7 +55,8 @@ final class Senses {
 
     /** The body's camera of that name. */
     Optional<Sensor> camera(String name) {
-        return sensors.stream().filter(sensor -> sensor.isCamera() && sensor.name().equals(name)).findFirst();
+        return sensors.stream().filter(sensor -> sensor.isCamera() && sensor.name().equals(name))
+                .findFirst();
     }
 
     /** What the agent perceives now: what each sensor senses, or sensed when it was its turn. */
@@ -63,9 +68,11 @@ final class Senses {
         for (int i = 0; i < samples.length; i++) {
             Sample before = samples[i];
             Sensor sensor = sensors.get(i);
-            if (before == null || all.frame() < before.frame || all.frame() - before.frame >= sensor.every()) {
+            if (before == null || all.frame() < before.frame
+                    || all.frame() - before.frame >= sensor.every()) {
                 samples[i] = new Sample(all.frame(),
-                        world.sense(sensor, body, surroundings[i], before == null ? List.of() : before.items));
+                        world.sense(sensor, body, surroundings[i],
+                                before == null ? List.of() : before.items));
             }
         }
         view = new View(all.frame(), all.time(), merge(samples));
@@ -73,7 +80,8 @@ final class Senses {
     }
 
     /**
-     * What {@link #look} says, with the relations of each item as of when a sensor that tells symbols sensed it last.
+     * What {@link #look} says, with the relations of each item as of when a sensor that tells
+     * symbols sensed it last.
      *
      * @return empty if the snapshot was lost meanwhile
      */
@@ -101,8 +109,8 @@ final class Senses {
         var ids = new HashSet<ItemId>();
         for (Sample sample : samples) {
             if (sample.frame == frame) {
-                sample.items.stream().filter(seen -> seen.shown().has(Sensor.Aspect.SEMANTIC)).map(Seen::id)
-                        .forEach(ids::add);
+                sample.items.stream().filter(seen -> seen.shown().has(Sensor.Aspect.SEMANTIC))
+                        .map(Seen::id).forEach(ids::add);
             }
         }
         return ids;
@@ -133,8 +141,8 @@ final class Senses {
     }
 
     /**
-     * What two sensors sense of an item. What the older one adds is as it was then: nobody is told what no sensor of
-     * its own has sensed yet. What is symbolic is of one moment.
+     * What two sensors sense of an item. What the older one adds is as it was then: nobody is told
+     * what no sensor of its own has sensed yet. What is symbolic is of one moment.
      */
     private static Seen merge(Seen newer, Seen older) {
         Shown both = newer.shown().and(older.shown());
@@ -147,8 +155,9 @@ final class Senses {
     }
 
     /**
-     * Which fields of an event the agent is told, by their place: all but the names of those it does not perceive.
-     * Empty if it hears nothing of it: it names items and the agent perceives none of them, or is for operators.
+     * Which fields of an event the agent is told, by their place: all but the names of those it
+     * does not perceive. Empty if it hears nothing of it: it names items and the agent perceives
+     * none of them, or is for operators.
      */
     Optional<BitSet> hear(WorldEvent event, Mentions mentions, Observatory world) {
         if (event.type().equals(FAULT)) {

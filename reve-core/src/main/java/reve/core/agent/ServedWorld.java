@@ -34,7 +34,8 @@ final class ServedWorld implements AutoCloseable {
         this.desk = new ControlDesk(port, publisher, server.log());
         this.lockStep = new LockStep(port.loop()::wake, desk::late, waiting);
         port.loop().setGate(lockStep);
-        this.subscription = port.bus().subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
+        this.subscription = port.bus()
+                .subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
     }
 
     String name() {
@@ -107,8 +108,8 @@ final class ServedWorld implements AutoCloseable {
      * @return its session; the welcome comes when the world has taken it
      * @throws Ending if it cannot come in
      */
-    Session greet(Connection connection, Role role, ClientMessage.Hello hello, Optional<AgentToken> token)
-            throws Ending {
+    Session greet(Connection connection, Role role, ClientMessage.Hello hello,
+            Optional<AgentToken> token) throws Ending {
         var session = new Session(this, connection, role, hello, token);
         if (sessions.putIfAbsent(hello.name(), session) != null) {
             throw Ending.nameTaken(hello.name());
@@ -118,10 +119,12 @@ final class ServedWorld implements AutoCloseable {
             return session;
         }
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
-        var join = desk.command(new AgentInput.Join(hello.name(), hello.body(), rights), session::came);
+        var join = desk.command(new AgentInput.Join(hello.name(), hello.body(), rights),
+                session::came);
         if (!port.commands().offer(join)) {
             sessions.remove(hello.name());
-            throw Ending.refused("world-busy", "the world has more to do than fits into a frame", "try again");
+            throw Ending.refused("world-busy", "the world has more to do than fits into a frame",
+                    "try again");
         }
         lockStep.comes();
         return session;
@@ -137,9 +140,9 @@ final class ServedWorld implements AutoCloseable {
         AgentTimeouts timeouts = server.config().timeouts();
         var told = new Limits(limits.lineBytes(), limits.messagesPerSecond(), limits.actsInFlight(),
                 seconds(timeouts.idle()), seconds(timeouts.grace()));
-        return new Welcome(hello.id(), AgentServer.PROTOCOL, session.role(), hello.name(), session.body(),
-                port.world(), frame, port.framesPerSecond(), session.encoding(), session.rhythm(),
-                Optional.ofNullable(session.ticket()), resumed, told);
+        return new Welcome(hello.id(), AgentServer.PROTOCOL, session.role(), hello.name(),
+                session.body(), port.world(), frame, port.framesPerSecond(), session.encoding(),
+                session.rhythm(), Optional.ofNullable(session.ticket()), resumed, told);
     }
 
     private static double seconds(Duration duration) {

@@ -4,7 +4,10 @@ import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
 
-/** What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID} where it answers none. */
+/**
+ * What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID}
+ * where it answers none.
+ */
 sealed interface ServerMessage {
 
     /** The id of the message that this answers. */
@@ -12,9 +15,12 @@ sealed interface ServerMessage {
         return ClientMessage.NO_ID;
     }
 
-    record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds, double graceSeconds) {}
+    record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
+            double graceSeconds) {}
 
-    /** With it, another connection goes on with the session within that time after the first broke. */
+    /**
+     * With it, another connection goes on with the session within that time after the first broke.
+     */
     record Ticket(String token, double graceSeconds) {}
 
     /** How the world waits for an agent in lock-step: after every Nth frame, that long at most. */
@@ -24,10 +30,9 @@ sealed interface ServerMessage {
      * @param body of a client of the role agent
      * @param lockStep empty for whom nobody waits for
      */
-    record Welcome(long id, int protocol, Role role, String agent, Optional<String> body, String world, long frame,
-            int rate, Encoding encoding, Optional<Rhythm> lockStep, Optional<Ticket> session, boolean resumed,
-            Limits limits)
-            implements ServerMessage {}
+    record Welcome(long id, int protocol, Role role, String agent, Optional<String> body,
+            String world, long frame, int rate, Encoding encoding, Optional<Rhythm> lockStep,
+            Optional<Ticket> session, boolean resumed, Limits limits) implements ServerMessage {}
 
     record Accepted(long id, long frame) implements ServerMessage {}
 

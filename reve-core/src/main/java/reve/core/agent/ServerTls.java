@@ -25,7 +25,9 @@ import javax.net.ssl.KeyManagerFactory;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLEngine;
 
-/** Keeps connections private, with TLS 1.3, and shows clients the server's certificate. Any thread. */
+/**
+ * Keeps connections private, with TLS 1.3, and shows clients the server's certificate. Any thread.
+ */
 public final class ServerTls {
 
     private static final String[] PROTOCOLS = {"TLSv1.3"};
@@ -43,7 +45,8 @@ public final class ServerTls {
      * Reads both from PEM files.
      *
      * @param certificate the server's own first, then those that vouch for it
-     * @param key the private one of the first certificate: PKCS#8, not encrypted, not readable by everybody
+     * @param key the private one of the first certificate: PKCS#8, not encrypted, not readable by
+     *     everybody
      * @throws IOException naming the file and what is wrong with it
      */
     public static ServerTls of(Path certificate, Path key) throws IOException {
@@ -51,7 +54,8 @@ public final class ServerTls {
         PrivateKey secret = key(key, chain[0].getPublicKey().getAlgorithm());
         try {
             if (!fit(secret, chain[0])) {
-                throw new FileSystemException(key + " is not the key of the certificate in " + certificate);
+                throw new FileSystemException(key + " is not the key of the certificate in "
+                        + certificate);
             }
             var store = KeyStore.getInstance("PKCS12");
             store.load(null, IN_MEMORY);
@@ -62,7 +66,8 @@ public final class ServerTls {
             context.init(keys.getKeyManagers(), null, null);
             return new ServerTls(context);
         } catch (GeneralSecurityException e) {
-            throw new IOException("TLS with " + certificate + " and " + key + ": " + e.getMessage(), e);
+            throw new IOException(
+                    "TLS with " + certificate + " and " + key + ": " + e.getMessage(), e);
         }
     }
 
@@ -76,36 +81,42 @@ public final class ServerTls {
 
     private static Certificate[] chain(Path file) throws IOException {
         try (InputStream in = Files.newInputStream(file)) {
-            var certificates = List.copyOf(CertificateFactory.getInstance("X.509").generateCertificates(in));
+            var certificates =
+                    List.copyOf(CertificateFactory.getInstance("X.509").generateCertificates(in));
             if (certificates.isEmpty()) {
                 throw new FileSystemException(file + " holds no certificate, expected PEM");
             }
             ((X509Certificate) certificates.getFirst()).checkValidity();
             return certificates.toArray(Certificate[]::new);
         } catch (CertificateException e) {
-            throw new FileSystemException(file + ": " + e.getMessage() + "; expected valid certificates in PEM");
+            throw new FileSystemException(file + ": " + e.getMessage()
+                    + "; expected valid certificates in PEM");
         }
     }
 
     private static PrivateKey key(Path file, String algorithm) throws IOException {
         if (Files.getPosixFilePermissions(file).contains(PosixFilePermission.OTHERS_READ)) {
-            throw new FileSystemException(file + " can be read by everybody; run `chmod 600 " + file + "`");
+            throw new FileSystemException(file + " can be read by everybody; run `chmod 600 "
+                    + file + "`");
         }
         Matcher pem = KEY.matcher(Files.readString(file, StandardCharsets.ISO_8859_1));
         if (!pem.find()) {
-            throw new FileSystemException(file + " holds no `BEGIN PRIVATE KEY`; run `openssl pkcs8 -topk8 -nodes -in "
+            throw new FileSystemException(file
+                    + " holds no `BEGIN PRIVATE KEY`; run `openssl pkcs8 -topk8 -nodes -in "
                     + file + " -out NEW` and use that");
         }
         try {
+            byte[] bytes = Base64.getMimeDecoder().decode(pem.group(1));
             return KeyFactory.getInstance(algorithm)
-                    .generatePrivate(new PKCS8EncodedKeySpec(Base64.getMimeDecoder().decode(pem.group(1))));
+                    .generatePrivate(new PKCS8EncodedKeySpec(bytes));
         } catch (GeneralSecurityException | IllegalArgumentException e) {
-            throw new FileSystemException(file + " holds no key of the certificate's kind (" + algorithm + "): "
-                    + e.getMessage());
+            throw new FileSystemException(file + " holds no key of the certificate's kind ("
+                    + algorithm + "): " + e.getMessage());
         }
     }
 
-    private static boolean fit(PrivateKey key, Certificate certificate) throws GeneralSecurityException {
+    private static boolean fit(PrivateKey key, Certificate certificate)
+            throws GeneralSecurityException {
         byte[] text = "signed".getBytes(StandardCharsets.US_ASCII);
         var signature = Signature.getInstance(switch (key.getAlgorithm()) {
             case "RSA" -> "SHA256withRSA";

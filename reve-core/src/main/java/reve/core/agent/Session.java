@@ -13,8 +13,9 @@ import reve.core.world.WorldEvent;
 import reve.core.world.WorldSnapshot;
 
 /**
- * One client from its hello to its leave: who it is, what it has asked for, which commands it has given. It outlives
- * a broken connection for as long as its hello asked for; another connection that knows its token goes on with it.
+ * One client from its hello to its leave: who it is, what it has asked for, which commands it has
+ * given. It outlives a broken connection for as long as its hello asked for; another connection
+ * that knows its token goes on with it.
  */
 final class Session {
 
@@ -70,13 +71,16 @@ final class Session {
         this.graceSeconds = Math.min(hello.graceSeconds(), timeouts.grace().toMillis() / 1000.0);
         this.token = token;
         this.secret = AgentToken.newSecret();
-        this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(), EventLog.MAX_BYTES);
+        this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(),
+                EventLog.MAX_BYTES);
         this.looks = new Looks(world, server.log(), toString(), this::show);
         this.connection = connection;
         this.encoding = connection.encoding();
         this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
-                (long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos()))).orElse(null);
-        this.quota = new Quota(limits.messagesPerSecond(), world.framesPerSecond(), System.nanoTime(), pace());
+                (long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos())))
+                .orElse(null);
+        this.quota = new Quota(limits.messagesPerSecond(), world.framesPerSecond(),
+                System.nanoTime(), pace());
         this.perceptions = perceptionsOver(connection);
     }
 
@@ -153,8 +157,10 @@ final class Session {
     void embodied(Outcome outcome) {
         switch (outcome) {
             case Outcome.Joined joined ->
-                    senses = joined.sensors().isEmpty() ? null : new Senses(joined.id(), joined.sensors());
-            case Outcome.Refused no -> end(Ending.refused(no.code(), no.reason(), no.hint().orElse("")));
+                    senses = joined.sensors().isEmpty() ? null
+                            : new Senses(joined.id(), joined.sensors());
+            case Outcome.Refused no ->
+                    end(Ending.refused(no.code(), no.reason(), no.hint().orElse("")));
             case Outcome.Failed failed -> {
                 server.log().error(this + " could not join", failed.cause());
                 end(Ending.regular("failed", "the server has an error; its log says more"));
@@ -179,7 +185,8 @@ final class Session {
         perceptions.notBefore(frame);
         offer(world.welcome(this, hello, frame, false));
         world.publisher().admit(this);
-        server.log().info(this + " joined" + body.map(item -> " with body " + Text.quote(item)).orElse(""));
+        server.log().info(this + " joined"
+                + body.map(item -> " with body " + Text.quote(item)).orElse(""));
     }
 
     /** True if it perceives only what the sensors of its body sense. */
@@ -194,12 +201,14 @@ final class Session {
 
     /** The same with relations, see {@link Senses#relate}. */
     Optional<View> relate(View view, Observatory world, WorldSnapshot snapshot) {
-        return senses == null ? world.withRelations(view, snapshot) : senses.relate(view, world, snapshot);
+        return senses == null ? world.withRelations(view, snapshot)
+                : senses.relate(view, world, snapshot);
     }
 
     /**
-     * Which fields of an event its sensors let it know, see {@link Senses#hear}; all without sensors. What a fault was
-     * in detail may name files of the server, and is for who controls the world alone.
+     * Which fields of an event its sensors let it know, see {@link Senses#hear}; all without
+     * sensors. What a fault was in detail may name files of the server, and is for who controls the
+     * world alone.
      */
     Optional<BitSet> hear(WorldEvent event, Mentions mentions, Observatory world) {
         if (senses == null) {
@@ -240,7 +249,8 @@ final class Session {
     /** A command has its result. */
     void finish(ClientMessage.Request request, ServerMessage result, long frame) {
         if (request instanceof ClientMessage.Act) {
-            (result instanceof ServerMessage.Accepted ? counters.actsAccepted : counters.actsRefused).increment();
+            (result instanceof ServerMessage.Accepted ? counters.actsAccepted
+                    : counters.actsRefused).increment();
         }
         boolean room;
         synchronized (this) {
@@ -262,7 +272,9 @@ final class Session {
         return quota.hasLeft(System.nanoTime(), pace());
     }
 
-    /** Frames, for who keeps pace with the world: such a client has more to say where that is fast. */
+    /**
+     * Frames, for who keeps pace with the world: such a client has more to say where that is fast.
+     */
     private long pace() {
         return turn == null ? 0 : world.publisher().published();
     }
@@ -304,8 +316,9 @@ final class Session {
     void look(ClientMessage.Look look) throws BadMessage {
         Senses its = senses;
         Sensor camera = Optional.ofNullable(its).flatMap(known -> known.camera(look.sensor()))
-                .orElseThrow(() -> new BadMessage(look.id(), "no-such-camera", this + " has no camera "
-                        + Text.quote(look.sensor()), "the world file says which sensors a body has"));
+                .orElseThrow(() -> new BadMessage(look.id(), "no-such-camera",
+                        this + " has no camera " + Text.quote(look.sensor()),
+                        "the world file says which sensors a body has"));
         looks.take(look, its.body(), camera);
     }
 
@@ -323,8 +336,10 @@ final class Session {
     void request(ClientMessage.Request request) throws BadMessage {
         Role needed = request instanceof ClientMessage.Act ? Role.AGENT : Role.CONTROL;
         if (role != needed) {
-            throw new BadMessage(request.id(), "not-permitted", "this connection is " + this + ", and " + request.type()
-                    + " takes the role " + needed.wireName(), "say hello with \"role\":\"" + needed.wireName() + "\"");
+            throw new BadMessage(request.id(), "not-permitted",
+                    "this connection is " + this + ", and " + request.type()
+                            + " takes the role " + needed.wireName(),
+                    "say hello with \"role\":\"" + needed.wireName() + "\"");
         }
         if (request instanceof ClientMessage.Act act && act.ready().isPresent()) {
             requireLockStep(act.id());
@@ -388,8 +403,10 @@ final class Session {
             }
             case CommandLog.Known.Pending pending -> { }
             case CommandLog.Known.Done done -> send(done.result());
-            case CommandLog.Known.Forgotten forgotten -> send(new ServerMessage.Refused(request.id(), "id-forgotten",
-                    "a command with this id may have been done long ago; give new commands higher ids"));
+            case CommandLog.Known.Forgotten forgotten ->
+                    send(new ServerMessage.Refused(request.id(), "id-forgotten",
+                            "a command with this id may have been done long ago; "
+                                    + "give new commands higher ids"));
         }
         return false;
     }
@@ -404,8 +421,10 @@ final class Session {
     void resume(Connection next, long frameSeen) throws Ending {
         Connection previous;
         synchronized (this) {
-            List<ServerMessage.Event> missed = events.after(frameSeen).orElseThrow(() -> Ending.refused("resume-too-late",
-                    "not all events since frame " + frameSeen + " are remembered", "say hello without resume"));
+            List<ServerMessage.Event> missed = events.after(frameSeen)
+                    .orElseThrow(() -> Ending.refused("resume-too-late",
+                            "not all events since frame " + frameSeen + " are remembered",
+                            "say hello without resume"));
             previous = connection;
             connection = next;
             encoding = next.encoding();
@@ -460,7 +479,8 @@ final class Session {
         if (token.isEmpty() || current.contains(token.get())) {
             return;
         }
-        Ending why = Ending.cut("token-revoked", "your token was revoked or changed, or has expired");
+        Ending why =
+                Ending.cut("token-revoked", "your token was revoked or changed, or has expired");
         end(why);
         leave(why.code()); // nothing new if it had a connection
     }
@@ -527,7 +547,10 @@ final class Session {
         return now == null || now.outbox().offer(line);
     }
 
-    /** Frames may follow each other faster than what happened is written: who reads is not cut for that. */
+    /**
+     * Frames may follow each other faster than what happened is written: who reads is
+     * not cut for that.
+     */
     private boolean offerEvent(byte[] line, long frame) {
         Connection now = connection;
         if (now == null || now.outbox().offer(line, frame)) {

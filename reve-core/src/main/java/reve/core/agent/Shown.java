@@ -27,7 +27,8 @@ record Shown(Set<Aspect> aspects, Optional<SortedSet<String>> symbols) {
 
     /** True if another one shows no symbols and no actions that this one does not. */
     boolean isAllThatIsSymbolicOf(Shown other) {
-        return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC) && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)
+        return has(Aspect.SEMANTIC) == other.has(Aspect.SEMANTIC)
+                && has(Aspect.ACCESS) == other.has(Aspect.ACCESS)
                 && symbols.equals(other.symbols);
     }
 

@@ -8,8 +8,8 @@ import java.util.Map;
 import java.util.Set;
 
 /**
- * The connections that have not said hello yet, by their addresses, so that one address does not fill all places with
- * them. The event loop's thread.
+ * The connections that have not said hello yet, by their addresses, so that one address does not
+ * fill all places with them. The event loop's thread.
  */
 final class Strangers {
 
@@ -26,7 +26,8 @@ final class Strangers {
     }
 
     void add(Connection connection) {
-        byNetwork.computeIfAbsent(Attempts.network(connection.address()), network -> new HashSet<>()).add(connection);
+        byNetwork.computeIfAbsent(Attempts.network(connection.address()),
+                network -> new HashSet<>()).add(connection);
     }
 
     /** It has said hello, or gone. Does nothing if it was not there. */

@@ -11,8 +11,8 @@ import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
 
 /**
- * What is done with a copy of a world while the world goes on: saving it, and looking ahead. One at a time, on the
- * thread of whoever asks.
+ * What is done with a copy of a world while the world goes on: saving it, and looking ahead. One at
+ * a time, on the thread of whoever asks.
  */
 final class Studies {
 
@@ -51,19 +51,22 @@ final class Studies {
                 var observatory = new Observatory();
                 observatory.read(snapshot);
                 var out = new Bytes();
-                new Telling().write(out, session.encoding(), fork.id(), observatory.everything(), null);
+                View all = observatory.everything();
+                new Telling().write(out, session.encoding(), fork.id(), all, null);
                 line.set(out.toArray());
             });
             if (!session.answer(fork, line.get())) {
-                throw new ActionRefused("fork-refused", "what would be perceived takes " + line.get().length
-                        + " bytes, which is more than is told at once");
+                throw new ActionRefused("fork-refused",
+                        "what would be perceived takes " + line.get().length
+                                + " bytes, which is more than is told at once");
             }
         });
     }
 
     private void study(Session session, ClientMessage.Request request, Study study) {
         if (!copies.tryAcquire()) {
-            session.refuse(request, "world-busy", "another copy of the world is at work; try again");
+            session.refuse(request, "world-busy",
+                    "another copy of the world is at work; try again");
             return;
         }
         try {
@@ -75,7 +78,8 @@ final class Studies {
             session.refuse(request, e.code(), e.getMessage());
         } catch (RuntimeException e) {
             log.error(request.type() + " failed", e);
-            session.refuse(request, "action-failed", request.type() + " failed; the server's log says why");
+            session.refuse(request, "action-failed",
+                    request.type() + " failed; the server's log says why");
         } finally {
             copies.release();
         }

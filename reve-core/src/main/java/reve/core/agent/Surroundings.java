@@ -1,8 +1,8 @@
 package reve.core.agent;
 
 /**
- * What is around a body as far as one of its sensors may reach while nothing moves far: found once, and true for many
- * frames in a world where things move slowly. One thread.
+ * What is around a body as far as one of its sensors may reach while nothing moves far: found once,
+ * and true for many frames in a world where things move slowly. One thread.
  */
 final class Surroundings {
 

@@ -6,7 +6,9 @@ import java.util.List;
 import java.util.Map;
 import org.jspecify.annotations.Nullable;
 
-/** Writes perceptions; what several agents are told alike of a frame is encoded once. One thread. */
+/**
+ * Writes perceptions; what several agents are told alike of a frame is encoded once. One thread.
+ */
 final class Telling {
 
     private final Difference difference = new Difference();
@@ -37,14 +39,18 @@ final class Telling {
             writeWhole(encoding.begin(out, "perception", id, 3), view);
         } else {
             difference.find(before.items(), view.items());
-            writeDifference(encoding.begin(out, "perception", id, 3 + difference.lists()), view, before);
+            writeDifference(encoding.begin(out, "perception", id, 3 + difference.lists()),
+                    view, before);
         }
         encoding.end(out, start);
     }
 
-    /** The whole of the shared view is kept under the view itself, a difference under what it is to. */
+    /**
+     * The whole of the shared view is kept under the view itself, a difference under what it is to.
+     */
     private Fields sharedFields(Encoding encoding, View view, @Nullable View before) {
-        return told.computeIfAbsent(before == null ? view : before, unknown -> new EnumMap<>(Encoding.class))
+        return told.computeIfAbsent(before == null ? view : before,
+                unknown -> new EnumMap<>(Encoding.class))
                 .computeIfAbsent(encoding, unknown -> fields(encoding, view, before));
     }
 

@@ -16,7 +16,8 @@ final class Text {
     /** @throws CharacterCodingException if the bytes are no UTF-8 */
     static String decode(byte[] utf8, int start, int length) throws CharacterCodingException {
         String text = new String(utf8, start, length, StandardCharsets.UTF_8);
-        if (text.indexOf(REPLACEMENT) >= 0) { // somebody wrote it, or it stands for what is no UTF-8
+        // somebody wrote it, or it stands for what is no UTF-8
+        if (text.indexOf(REPLACEMENT) >= 0) {
             StandardCharsets.UTF_8.newDecoder().decode(ByteBuffer.wrap(utf8, start, length));
         }
         return text;
@@ -34,14 +35,19 @@ final class Text {
         return out.append(isLong(text) ? "…\"" : "\"").toString();
     }
 
-    /** At most 64 characters of what is no text of its own, such as a number or a list; escaped in the same way. */
+    /**
+     * At most 64 characters of what is no text of its own, such as a number or a list;
+     * escaped in the same way.
+     */
     static String show(String value) {
         var out = new StringBuilder(value.length());
         value.codePoints().limit(SHOWN).forEach(c -> append(out, c));
         return out.append(isLong(value) ? "…" : "").toString();
     }
 
-    /** All of a message that may hold what a client sent, with what is not plainly visible escaped. */
+    /**
+     * All of a message that may hold what a client sent, with what is not plainly visible escaped.
+     */
     static String visible(String message) {
         var out = new StringBuilder(message.length());
         message.codePoints().forEach(c -> append(out, c));

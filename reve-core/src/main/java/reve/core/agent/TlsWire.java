@@ -19,7 +19,8 @@ final class TlsWire implements Wire {
     static final int HANDSHAKE = 0x16;
 
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
-    private static final int RECORD_BYTES = 18 * 1024; // more than the 16 KiB and their frame that TLS allows
+    /** More than the 16 KiB and their frame that TLS allows. */
+        private static final int RECORD_BYTES = 18 * 1024;
 
     private final SocketChannel channel;
     private final Plain plain;
@@ -66,8 +67,8 @@ final class TlsWire implements Wire {
     }
 
     @Override
-    public SelectionKey register(EventLoop eventLoop, EventLoop.Handler handler, Runnable whenReadable)
-            throws IOException {
+    public SelectionKey register(EventLoop eventLoop, EventLoop.Handler handler,
+            Runnable whenReadable) throws IOException {
         loop = eventLoop;
         readable = whenReadable;
         key = plain.register(eventLoop, handler, whenReadable);
@@ -143,7 +144,8 @@ final class TlsWire implements Wire {
         interest(SelectionKey.OP_READ, false);
         EventLoop told = Objects.requireNonNull(loop);
         Thread.ofVirtual().name("tls").start(() -> {
-            for (Runnable task = engine.getDelegatedTask(); task != null; task = engine.getDelegatedTask()) {
+            for (Runnable task = engine.getDelegatedTask(); task != null;
+                    task = engine.getDelegatedTask()) {
                 task.run();
             }
             told.later(this::computed);
@@ -242,11 +244,13 @@ final class TlsWire implements Wire {
     private void interest(int operation, boolean wanted) {
         SelectionKey mine = Objects.requireNonNull(key);
         if (mine.isValid()) {
-            mine.interestOps(wanted ? mine.interestOps() | operation : mine.interestOps() & ~operation);
+            mine.interestOps(wanted ? mine.interestOps() | operation
+                    : mine.interestOps() & ~operation);
         }
     }
 
     private static ByteBuffer copy(ByteBuffer rest) {
-        return rest.hasRemaining() ? ByteBuffer.allocate(rest.remaining()).put(rest).flip() : NOTHING;
+        return rest.hasRemaining()
+                ? ByteBuffer.allocate(rest.remaining()).put(rest).flip() : NOTHING;
     }
 }

@@ -28,8 +28,8 @@ import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
 /**
- * The tokens of a server, in a file that its owner alone may read and write. A change of the file counts at once;
- * one that cannot be read leaves what was read before. Any thread.
+ * The tokens of a server, in a file that its owner alone may read and write. A change of the file
+ * counts at once; one that cannot be read leaves what was read before. Any thread.
  */
 public final class TokenFile {
 
@@ -37,7 +37,8 @@ public final class TokenFile {
     private static final long MAX_BYTES = 16L * 1024 * 1024;
     private static final Set<PosixFilePermission> OWNERS =
             EnumSet.of(PosixFilePermission.OWNER_READ, PosixFilePermission.OWNER_WRITE);
-    private static final FileAttribute<Set<PosixFilePermission>> PRIVATE = PosixFilePermissions.asFileAttribute(OWNERS);
+    private static final FileAttribute<Set<PosixFilePermission>> PRIVATE =
+            PosixFilePermissions.asFileAttribute(OWNERS);
 
     private final Path path;
     private final InstantSource clock;
@@ -45,7 +46,8 @@ public final class TokenFile {
     private Set<AgentToken> tokens;
 
     /** Tells one content of the file from the next. */
-    private record Version(FileTime modified, long bytes, Object inode, Set<PosixFilePermission> permissions) {}
+    private record Version(FileTime modified, long bytes, Object inode,
+            Set<PosixFilePermission> permissions) {}
 
     private TokenFile(Path path, InstantSource clock) throws IOException {
         this.path = path;
@@ -54,7 +56,10 @@ public final class TokenFile {
         this.tokens = read(path, read);
     }
 
-    /** @throws IOException if it is not there, not private, or not a file of tokens; the message says what to do */
+    /**
+     * @throws IOException if it is not there, not private, or not a file of tokens; the message
+     *     says what to do
+     */
     public static TokenFile open(Path path) throws IOException {
         return open(path, InstantSource.system());
     }
@@ -80,7 +85,8 @@ public final class TokenFile {
     public static List<AgentToken> revoke(Path path, String nameOrId) throws IOException {
         var revoked = new ArrayList<AgentToken>();
         change(path, false, tokens -> {
-            tokens.stream().filter(token -> token.name().equals(nameOrId) || token.id().equals(nameOrId))
+            tokens.stream()
+                    .filter(token -> token.name().equals(nameOrId) || token.id().equals(nameOrId))
                     .forEach(revoked::add);
             tokens.removeAll(revoked);
             return tokens;
@@ -94,7 +100,9 @@ public final class TokenFile {
         return tokens;
     }
 
-    /** The token with that secret, unless it has expired. Takes as long whether there is one or not. */
+    /**
+     * The token with that secret, unless it has expired. Takes as long whether there is one or not.
+     */
     Optional<AgentToken> find(String secret) {
         String hash = AgentToken.hash(secret);
         AgentToken found = null;
@@ -136,33 +144,42 @@ public final class TokenFile {
             throw new NoSuchFileException("there is no file of tokens " + path
                     + "; `./reve token new NAME --file " + path + "` makes one");
         }
-        return new Version(file.lastModifiedTime(), file.size(), file.fileKey(), file.permissions());
+        return new Version(file.lastModifiedTime(), file.size(), file.fileKey(),
+                file.permissions());
     }
 
     private static Set<AgentToken> read(Path path, Version version) throws IOException {
         if (!OWNERS.containsAll(version.permissions())) {
             throw new FileSystemException(path + " is open to others (mode "
-                    + PosixFilePermissions.toString(version.permissions()) + "); run `chmod 600 " + path + "`");
+                    + PosixFilePermissions.toString(version.permissions()) + "); run `chmod 600 "
+                    + path + "`");
         }
         if (version.bytes() > MAX_BYTES) {
-            throw new FileSystemException(path + " has " + version.bytes() + " bytes, expected at most " + MAX_BYTES);
+            throw new FileSystemException(path + " has " + version.bytes()
+                    + " bytes, expected at most " + MAX_BYTES);
         }
         try {
-            return Collections.unmodifiableSet(new LinkedHashSet<>(TokenFormat.read(Files.readAllBytes(path))));
+            return Collections.unmodifiableSet(
+                    new LinkedHashSet<>(TokenFormat.read(Files.readAllBytes(path))));
         } catch (IllegalArgumentException e) {
             throw new FileSystemException(path + " is no file of tokens: " + e.getMessage());
         }
     }
 
-    /** Changes of several programs come one after the other; readers see the file before or after one. */
-    private static void change(Path path, boolean make, UnaryOperator<List<AgentToken>> change) throws IOException {
+    /**
+     * Changes of several programs come one after the other; readers see the file before
+     * or after one.
+     */
+    private static void change(Path path, boolean make, UnaryOperator<List<AgentToken>> change)
+            throws IOException {
         Path file = path.toAbsolutePath();
         Path lock = file.resolveSibling("." + file.getFileName() + ".lock");
         Path next = file.resolveSibling("." + file.getFileName() + ".new");
-        try (FileChannel guard = FileChannel.open(lock, Set.of(StandardOpenOption.CREATE, StandardOpenOption.WRITE),
-                        PRIVATE);
+        try (FileChannel guard = FileChannel.open(lock,
+                Set.of(StandardOpenOption.CREATE, StandardOpenOption.WRITE), PRIVATE);
                 FileLock _ = guard.lock()) {
-            Set<AgentToken> before = make && !Files.exists(file) ? Set.of() : read(file, version(file));
+            Set<AgentToken> before = make && !Files.exists(file) ? Set.of()
+                    : read(file, version(file));
             byte[] bytes = TokenFormat.write(change.apply(new ArrayList<>(before)));
             Files.deleteIfExists(next);
             Files.createFile(next, PRIVATE);

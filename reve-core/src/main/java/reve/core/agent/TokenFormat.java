@@ -18,8 +18,8 @@ import tools.jackson.databind.node.ObjectNode;
 final class TokenFormat {
 
     private static final int VERSION = 1;
-    private static final Set<String> FIELDS =
-            Set.of("name", "sha256", "roles", "worlds", "bodies", "capabilities", "lockStep", "expires");
+    private static final Set<String> FIELDS = Set.of("name", "sha256", "roles", "worlds",
+            "bodies", "capabilities", "lockStep", "expires");
 
     private TokenFormat() {}
 
@@ -35,7 +35,8 @@ final class TokenFormat {
         Rights rights = token.rights();
         fields.put("name", token.name());
         fields.put("sha256", token.sha256());
-        put(fields, "roles", Optional.of(new TreeSet<>(rights.roles().stream().map(Role::wireName).toList())));
+        put(fields, "roles",
+                Optional.of(new TreeSet<>(rights.roles().stream().map(Role::wireName).toList())));
         put(fields, "worlds", rights.worlds());
         put(fields, "bodies", rights.bodies());
         put(fields, "capabilities", rights.capabilities());
@@ -61,7 +62,8 @@ final class TokenFormat {
             throw new IllegalArgumentException("it is not JSON: " + e.getOriginalMessage(), e);
         }
         if (file.path("reveTokens").asInt(0) != VERSION || !file.path("tokens").isArray()) {
-            throw new IllegalArgumentException("expected {\"reveTokens\": " + VERSION + ", \"tokens\": [...]}");
+            throw new IllegalArgumentException("expected {\"reveTokens\": " + VERSION
+                    + ", \"tokens\": [...]}");
         }
         var tokens = new ArrayList<AgentToken>();
         for (JsonNode fields : file.get("tokens").values()) {
@@ -73,22 +75,27 @@ final class TokenFormat {
     private static AgentToken read(String which, JsonNode fields) {
         for (Map.Entry<String, JsonNode> field : fields.properties()) {
             if (!FIELDS.contains(field.getKey())) {
-                throw new IllegalArgumentException(which + " has the field " + Text.quote(field.getKey())
-                        + ", expected some of " + String.join(", ", new TreeSet<>(FIELDS)));
+                throw new IllegalArgumentException(which + " has the field "
+                        + Text.quote(field.getKey()) + ", expected some of "
+                        + String.join(", ", new TreeSet<>(FIELDS)));
             }
         }
         var roles = new LinkedHashSet<Role>();
         for (String role : names(which, fields, "roles").orElse(Set.of())) {
-            roles.add(Role.of(role).orElseThrow(() -> new IllegalArgumentException(which + " has the role "
-                    + Text.quote(role) + ", expected some of " + Role.names())));
+            roles.add(Role.of(role).orElseThrow(() -> new IllegalArgumentException(which
+                    + " has the role " + Text.quote(role)
+                    + ", expected some of " + Role.names())));
         }
         try {
             return new AgentToken(text(fields, "name"), text(fields, "sha256"),
-                    new Rights(roles, names(which, fields, "worlds"), names(which, fields, "bodies"),
-                            names(which, fields, "capabilities"), truth(fields, "lockStep")),
-                    fields.has("expires") ? Optional.of(Instant.parse(text(fields, "expires"))) : Optional.empty());
+                    new Rights(roles, names(which, fields, "worlds"),
+                            names(which, fields, "bodies"), names(which, fields, "capabilities"),
+                            truth(fields, "lockStep")),
+                    fields.has("expires") ? Optional.of(Instant.parse(text(fields, "expires")))
+                            : Optional.empty());
         } catch (DateTimeParseException e) {
-            throw new IllegalArgumentException(which + " expires " + Text.quote(text(fields, "expires"))
+            throw new IllegalArgumentException(which + " expires "
+                    + Text.quote(text(fields, "expires"))
                     + ", expected a time such as 2030-01-31T12:00:00Z", e);
         } catch (IllegalArgumentException e) {
             throw new IllegalArgumentException(which + ": " + e.getMessage(), e);

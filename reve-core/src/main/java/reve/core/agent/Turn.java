@@ -4,8 +4,9 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicReference;
 
 /**
- * One agent in lock-step, and how far it has come. A round begins with every Nth frame, the first of which is the one
- * the agent came in; the agent perceives that frame, and the next one does not begin before it is ready.
+ * One agent in lock-step, and how far it has come. A round begins with every Nth frame, the first
+ * of which is the one the agent came in; the agent perceives that frame, and the next one does not
+ * begin before it is ready.
  */
 final class Turn {
 
@@ -59,7 +60,10 @@ final class Turn {
         done.incrementAndGet();
     }
 
-    /** The agent is done with what it perceived in a frame, unless that was not the last round that began. */
+    /**
+     * The agent is done with what it perceived in a frame, unless that was not the last
+     * round that began.
+     */
     void ready(long frame, long published) {
         playing = true;
         if (frame <= published) {
@@ -122,7 +126,9 @@ final class Turn {
         }
     }
 
-    /** Somebody comes into the world in that frame: who has not been ready yet begins with it, too. */
+    /**
+     * Somebody comes into the world in that frame: who has not been ready yet begins with it, too.
+     */
     void putOff(long frame) {
         if (!playing) {
             restart(frame);
@@ -135,7 +141,10 @@ final class Turn {
         return done.get() < rounds && done.getAndAccumulate(rounds, Math::max) < rounds;
     }
 
-    /** What comes of a missed round. The others hear of the first one that a broken connection costs, not of each. */
+    /**
+     * What comes of a missed round. The others hear of the first one that a broken
+     * connection costs, not of each.
+     */
     AgentInput.Late late() {
         missed++;
         boolean told = !missedAway;

@@ -8,7 +8,10 @@ import java.nio.channels.ByteChannel;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.SocketChannel;
 
-/** The bytes that go to and from one client; reading and writing never wait. The event loop's thread. */
+/**
+ * The bytes that go to and from one client; reading and writing never wait. The event
+ * loop's thread.
+ */
 interface Wire extends ByteChannel {
 
     /** Who is at the other end. */
@@ -19,14 +22,17 @@ interface Wire extends ByteChannel {
      *
      * @param readable called when there is something to read that the key says nothing of
      */
-    SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable) throws IOException;
+    SelectionKey register(EventLoop loop, EventLoop.Handler handler, Runnable readable)
+            throws IOException;
 
     /** True if there is something to read that the key says nothing of. */
     default boolean hasReceived() {
         return false;
     }
 
-    /** True if something that was written is still to go to the socket, by another {@link #write}. */
+    /**
+     * True if something that was written is still to go to the socket, by another {@link #write}.
+     */
     default boolean hasUnsent() {
         return false;
     }

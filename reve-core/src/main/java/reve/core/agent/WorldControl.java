@@ -9,16 +9,19 @@ import reve.core.world.World;
 import reve.core.world.WorldSnapshot;
 
 /**
- * What the program that runs a world lets clients of the role control do, beside what every frame loop can. Unless
- * it says otherwise, a method is called on a connection's thread and may take its time; the change that it returns is
- * made on the world's thread, in ACT.
+ * What the program that runs a world lets clients of the role control do, beside what every frame
+ * loop can. Unless it says otherwise, a method is called on a connection's thread and may take its
+ * time; the change that it returns is made on the world's thread, in ACT.
  */
 public interface WorldControl {
 
     /** Something prepared that is to be done to a world. */
     @FunctionalInterface
     interface Change {
-        /** @throws ActionRefused with a code and a reason, if it cannot be done; nothing has happened then */
+        /**
+         * @throws ActionRefused with a code and a reason, if it cannot be done; nothing has
+         *     happened then
+         */
         void make(World world, long frame) throws ActionRefused;
 
         /** Called instead if it will never be made. */
@@ -57,7 +60,8 @@ public interface WorldControl {
         void save(String file, Collection<ItemId> without) throws ActionRefused;
 
         /**
-         * Lets a copy run ahead, which nobody else acts on; the world itself does not notice. Any thread.
+         * Lets a copy run ahead, which nobody else acts on; the world itself does not notice. Any
+         * thread.
          *
          * @param frames to make
          * @param look sees the last of them

@@ -221,8 +221,8 @@ class AgentAbuseTest {
         }
 
         /**
-         * @return the code with which it was sent away; empty where the connection was
-         * reset under it
+         * @return the code with which it was sent away; empty where the connection was reset under
+         *     it
          */
         String attack() {
             try (socket) {
