@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cinttypes>
+#include <cmath>
 #include <cstring>
 #include <string>
 
@@ -48,7 +49,8 @@ void Copy(const vesper_property& to, const vesper_property& from) {
 }
 
 std::string PrintValue(const vesper_property& property, uint64_t index) {
-  return std::to_string(ValueAt(property.scalar_type, property.data, index));
+  const double value = ValueAt(property.scalar_type, property.data, index);
+  return std::isnan(value) ? "nan" : std::to_string(value);  // its sign says nothing
 }
 
 Failure Misbehaved(const Law& law, const vesper_property& property, uint64_t row,

@@ -12,8 +12,6 @@ using namespace vesper;
 // Bodies that a thread takes at once.
 constexpr uint64_t kGrain = 8192;
 
-constexpr vesper_unit kKilogramPerSecond = VESPER_UNIT_INIT(0, 1, -1, 0, 0, 0, 0, 1.0, "kg/s");
-
 /** Linear drag: F = -c v. Put your own equation here. */
 template <class Real>
 struct @CLASS@ {
@@ -22,7 +20,7 @@ struct @CLASS@ {
   static constexpr auto kPhase = Phase::kForce;
   static constexpr uint32_t kClaims = kTranslation | kRotation;
 
-  Parameter drag{"drag", "Force per speed.", kKilogramPerSecond, 1, 0, 1e6};
+  Parameter drag{"drag", "Force per speed.", units::kilogram_per_second, 1, 0, 1e6};
 
   Read<Vec3<Real>> velocity{"velocity", "body", units::metre_per_second};
   Accumulate<Vec3<Real>> force{"externalForce", "body", units::newton};
