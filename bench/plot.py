@@ -66,8 +66,9 @@ def write_table(rows):
     for file, subject, peer, _, ratio in rows:
         found.setdefault((file, subject, peer), []).append(ratio)
     lines = ["| | next to | times as fast |\n", "|---|---|---:|\n"]
-    lines += [f"| [{subject}](bench/results/{file}) | {peer} | {min(ratios):g} to {max(ratios):g} |\n"
-              for (file, subject, peer), ratios in found.items()]
+    for (file, subject, peer), ratios in found.items():
+        lines.append(f"| [{subject}](bench/results/{file}) | {peer} "
+                     f"| {min(ratios):g} to {max(ratios):g} |\n")
     before, rest = README.read_text().split(MARKS[0])
     README.write_text("".join([before, MARKS[0], *lines, MARKS[1], rest.split(MARKS[1])[1]]))
 
