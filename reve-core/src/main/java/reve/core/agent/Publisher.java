@@ -27,6 +27,7 @@ final class Publisher {
     private final Observatory observatory = new Observatory();
     private final Telling telling = new Telling();
     private final Queue<Runnable> reports = new ConcurrentLinkedQueue<>();
+    private final Queue<Session> leavers = new ConcurrentLinkedQueue<>();
     private final Queue<Happened> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger eventFrames = new AtomicInteger();
     private final AtomicInteger lostEventFrames = new AtomicInteger();
@@ -84,6 +85,11 @@ final class Publisher {
     /** True if there may be something to tell. */
     boolean hasNews() {
         return news;
+    }
+
+    /** The session is told nothing any more. */
+    void dismiss(Session session) {
+        leavers.add(session);
     }
 
     /** As {@link #later}, in ACT: with the frame that is being made. */
@@ -154,13 +160,10 @@ final class Publisher {
     }
 
     private void dropWhoHasLeft() {
-        members.values().removeIf(member -> {
-            boolean left = member.hasLeft();
-            if (left) {
-                audience.forget(member);
-            }
-            return left;
-        });
+        for (Session gone = leavers.poll(); gone != null; gone = leavers.poll()) {
+            members.remove(gone.name(), gone); // not who has come under that name since
+            audience.forget(gone);
+        }
     }
 
     private Optional<WorldSnapshot> unservedSnapshot() {

@@ -104,10 +104,6 @@ final class Session {
         return role;
     }
 
-    boolean hasLeft() {
-        return left;
-    }
-
     long joinedInFrame() {
         return joinedInFrame;
     }
@@ -498,6 +494,7 @@ final class Session {
         if (turn != null) {
             world.lockStep().remove(turn);
         }
+        world.publisher().dismiss(this); // before others may have its name
         world.leave(this, reason);
     }
 

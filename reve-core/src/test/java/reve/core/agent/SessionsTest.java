@@ -67,6 +67,19 @@ class SessionsTest {
         }
     }
 
+    @Test
+    void whoTakesANameThatIsFreeAgainHearsWhatHappens() throws IOException {
+        try (TestClient first = guest("eye", "observer")) {
+            first.say("{'t':'bye'}").expectBye("goodbye");
+        }
+        try (TestClient second = guest("eye", "observer"); TestClient ada = room.join("ada")) {
+            assertThat(second.expect("event").get("type").stringValue()).isEqualTo("joined");
+            ada.say("{'t':'bye'}").expectBye("goodbye");
+            room.step();
+            assertThat(second.expect("event").get("type").stringValue()).isEqualTo("left");
+        }
+    }
+
     @ParameterizedTest
     @CsvSource(delimiter = '|', quoteCharacter = '`', value = {
         "observer | {'t':'act','id':1,'item':'duck','action':'wind-up'} | agent",
