@@ -1,10 +1,15 @@
 package reve.worlds;
 
 import java.io.PrintWriter;
+import java.util.List;
+import java.util.stream.Stream;
 import picocli.CommandLine;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.IVersionProvider;
+import picocli.CommandLine.Model.UsageMessageSpec;
+import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.ScopeType;
+import picocli.CommandLine.UnmatchedArgumentException;
 import reve.pe.PhysicsException;
 import reve.worlds.cli.CheckCommand;
 import reve.worlds.cli.ControlCommand;
@@ -39,15 +44,20 @@ import reve.worlds.cli.TokenCommand;
         },
         footer = {
             "",
-            "The launcher itself also knows:",
-            "  build      Builds what changed and stops.",
-            "  test       Builds, then runs every test of the project. With --sanitize: the",
-            "             native tests only, under the address, undefined and thread sanitizers.",
-            "",
             "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid world file,",
-            "4 a law or the native engine could not be loaded, 5 the port could not be bound.",
+            "4 a law or the native engine could not be loaded, 5 the port could not be bound,",
+            "or the address takes tokens and TLS.",
         })
 public final class Main {
+    /** What the shell script of that name does by itself. */
+    private static final List<String> LAUNCHER = List.of(
+            "",
+            "The launcher itself also knows:",
+            "  build      Builds what changed and stops.",
+            "  test       Builds, then runs every test of the project. With --sanitize:",
+            "             the native tests only, under the address, undefined and thread",
+            "             sanitizers.");
+
     private Main() {}
 
     public static void main(String[] arguments) {
@@ -57,6 +67,10 @@ public final class Main {
     /** Runs one command line and returns its exit code; for tests. */
     public static int run(String... arguments) {
         CommandLine line = new CommandLine(new Main());
+        UsageMessageSpec usage = line.getCommandSpec().usageMessage();
+        usage.footer(Stream.concat(LAUNCHER.stream(), Stream.of(usage.footer()))
+                .toArray(String[]::new));
+        line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);
         line.setCaseInsensitiveEnumValuesAllowed(true);
         if (arguments.length == 0) {
@@ -64,6 +78,17 @@ public final class Main {
             return ExitCode.USAGE;
         }
         return line.execute(arguments);
+    }
+
+    /** What is wrong, and where to read what is right: all of it would hide the former. */
+    private static int explainUsage(ParameterException wrong, String... arguments) {
+        CommandLine line = wrong.getCommandLine();
+        PrintWriter err = line.getErr();
+        err.println("reve: " + wrong.getMessage());
+        UnmatchedArgumentException.printSuggestions(wrong, err);
+        err.println("`" + line.getCommandSpec().qualifiedName() + " --help` says more");
+        err.flush();
+        return ExitCode.USAGE;
     }
 
     /** One message for people, no stack trace: what they can do about it stands in the message. */

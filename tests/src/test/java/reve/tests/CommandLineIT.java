@@ -31,11 +31,13 @@ class CommandLineIT {
     }
 
     @Test
-    void wrongUsageIsExitCode2AndShowsTheUsage() throws Exception {
+    void wrongUsageIsExitCode2AndSaysWhatIsWrongAndWhereToReadMore() throws Exception {
         Outcome unknown = Reve.run("snapshots");
         assertThat(unknown.code()).isEqualTo(2);
         assertThat(unknown.err())
-                .contains("snapshots").contains("Did you mean").contains("snapshot");
+                .contains("snapshots").contains("Did you mean").contains("snapshot")
+                .endsWith("`./reve --help` says more\n");
+        assertThat(unknown.err().lines()).hasSizeLessThanOrEqualTo(4);
         assertThat(Reve.run("run", SPRING_ORBIT, "--seconds", "-1").code()).isEqualTo(2);
         Outcome port = Reve.run("serve", SPRING_ORBIT, "--port", "70000");
         assertThat(port.code()).isEqualTo(2);
@@ -43,7 +45,50 @@ class CommandLineIT {
         Outcome size = Reve.run("snapshot", SPRING_ORBIT, "--out",
                 folder.resolve("x.png").toString(), "--size", "huge");
         assertThat(size.code()).isEqualTo(2);
-        assertThat(size.err()).contains("'huge' is no size");
+        assertThat(size.err().lines()).hasSize(2);
+        assertThat(size.err()).contains("'huge' is no size", "`./reve snapshot --help` says more");
+        Outcome jpeg = Reve.run("snapshot", SPRING_ORBIT, "--out",
+                folder.resolve("x.jpg").toString());
+        assertThat(jpeg.code()).isEqualTo(2);
+        assertThat(jpeg.err()).contains("x.jpg: pictures are PNG");
+        assertThat(folder.resolve("x.jpg")).doesNotExist();
+    }
+
+    @Test
+    void theLaunchersOwnCommandsHaveHelpAndTakeNothingElse() throws Exception {
+        for (String command : new String[] {"build", "test"}) {
+            Outcome help = Reve.launch(command, "--help");
+            assertThat(help.code()).as(command).isZero();
+            assertThat(help.out()).startsWith("Usage: ./reve " + command);
+            Outcome wrong = Reve.launch(command, "everything");
+            assertThat(wrong.code()).as(command).isEqualTo(2);
+            assertThat(wrong.err()).contains(command, "found: everything");
+        }
+    }
+
+    @Test
+    void foldersThatServeIsToldAreMadeButNotWhatTheyAreIn() throws Exception {
+        Path folders = folder.resolve("new");
+        String[] options = {"--snapshots", "--saves", "--laws"};
+        for (String option : options) {
+            Outcome outcome = serveWith(option, folders.resolve("within"));
+            assertThat(outcome.code()).as(option).isEqualTo(2);
+            assertThat(outcome.err()).contains(option, "there is no folder " + folders);
+        }
+        Path file = write("no folder");
+        for (String option : options) {
+            Path made = folder.resolve("made-for" + option);
+            assertThat(serveWith(option, made).code()).as(option).isZero();
+            assertThat(made).isDirectory();
+            Outcome outcome = serveWith(option, file);
+            assertThat(outcome.code()).as(option).isEqualTo(2);
+            assertThat(outcome.err()).contains(option + " " + file + ": is a file");
+        }
+    }
+
+    private static Outcome serveWith(String option, Path folder) throws Exception {
+        return Reve.run("serve", SPRING_ORBIT, "--port", "0", "--fast", "--seconds", "0.1",
+                option, folder.toString());
     }
 
     @Test

@@ -22,7 +22,18 @@ final class Reve {
 
     /** Runs a command to its end. */
     static Outcome run(String... arguments) throws IOException, InterruptedException {
-        Process process = new ProcessBuilder(command(arguments)).start();
+        return run(command(arguments));
+    }
+
+    /** The same by the shell script of that name, which does some things by itself. */
+    static Outcome launch(String... arguments) throws IOException, InterruptedException {
+        List<String> command = new ArrayList<>(List.of(Project.ROOT.resolve("reve").toString()));
+        command.addAll(List.of(arguments));
+        return run(command);
+    }
+
+    private static Outcome run(List<String> command) throws IOException, InterruptedException {
+        Process process = new ProcessBuilder(command).start();
         process.getOutputStream().close();
         var err = new StringBuilder();
         Thread reader = Thread.ofVirtual().start(() -> {
@@ -36,7 +47,7 @@ final class Reve {
         String out = new String(process.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         if (!process.waitFor(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
             process.destroyForcibly();
-            throw new AssertionError(List.of(arguments) + " did not end within "
+            throw new AssertionError(command + " did not end within "
                     + PATIENCE_SECONDS + " s");
         }
         reader.join();

@@ -102,6 +102,12 @@ class SecurityIT {
                 folder.resolve("none.json").toString());
         assertThat(unknown.code()).isEqualTo(1);
         assertThat(Reve.run("token", "new", "a b").err()).contains("no name for a client");
+        Outcome over = Reve.run("token", "new", "ada", "--expires", "2020-01-31T12:00:00Z",
+                "--file", folder.resolve("over.json").toString());
+        assertThat(over.code()).isEqualTo(2);
+        assertThat(over.err()).contains("--expires 2020-01-31T12:00:00Z is over already",
+                "`./reve token new --help` says more");
+        assertThat(folder.resolve("over.json")).doesNotExist();
         assertThat(Reve.run("token").err()).contains("new, list, revoke");
     }
 

@@ -404,7 +404,8 @@ public final class AgentServer implements AutoCloseable {
         } catch (IOException e) {
             closeQuietly(listening);
             var unbound = new BindException("cannot serve agents on " + address.getHostString()
-                    + " port " + address.getPort() + ": " + e.getMessage());
+                    + " port " + address.getPort() + ": " + e.getMessage()
+                    + "; name another address or port (0: any free one)");
             unbound.initCause(e);
             throw unbound;
         }

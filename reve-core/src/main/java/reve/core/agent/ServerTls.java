@@ -5,6 +5,7 @@ import java.io.InputStream;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.FileSystemException;
 import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.nio.file.attribute.PosixFilePermission;
 import java.security.GeneralSecurityException;
@@ -50,6 +51,8 @@ public final class ServerTls {
      * @throws IOException naming the file and what is wrong with it
      */
     public static ServerTls of(Path certificate, Path key) throws IOException {
+        requireFile(certificate);
+        requireFile(key);
         Certificate[] chain = chain(certificate);
         PrivateKey secret = key(key, chain[0].getPublicKey().getAlgorithm());
         try {
@@ -77,6 +80,12 @@ public final class ServerTls {
         engine.setUseClientMode(false);
         engine.setEnabledProtocols(PROTOCOLS);
         return engine;
+    }
+
+    private static void requireFile(Path file) throws IOException {
+        if (!Files.exists(file) || Files.isDirectory(file)) {
+            throw new NoSuchFileException("there is no file " + file + ", expected one in PEM");
+        }
     }
 
     private static Certificate[] chain(Path file) throws IOException {

@@ -144,6 +144,9 @@ public final class TokenFile {
             throw new NoSuchFileException("there is no file of tokens " + path
                     + "; `./reve token new NAME --file " + path + "` makes one");
         }
+        if (file.isDirectory()) {
+            throw new FileSystemException(path + " is a folder, expected a file of tokens");
+        }
         return new Version(file.lastModifiedTime(), file.size(), file.fileKey(),
                 file.permissions());
     }
@@ -173,6 +176,12 @@ public final class TokenFile {
     private static void change(Path path, boolean make, UnaryOperator<List<AgentToken>> change)
             throws IOException {
         Path file = path.toAbsolutePath();
+        if (Files.exists(file)) {
+            version(file); // refuses a folder
+        } else if (!Files.isDirectory(file.getParent())) {
+            throw new NoSuchFileException("there is no folder " + file.getParent() + " for "
+                    + file.getFileName() + "; make it first");
+        }
         Path lock = file.resolveSibling("." + file.getFileName() + ".lock");
         Path next = file.resolveSibling("." + file.getFileName() + ".new");
         try (FileChannel guard = FileChannel.open(lock,

@@ -280,6 +280,11 @@ class TlsTest {
         Files.setPosixFilePermissions(nothing, PosixFilePermissions.fromString("rw-------"));
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), nothing))
                 .hasMessageContaining("nothing.pem").hasMessageContaining("openssl pkcs8");
+        Path missing = folder.resolve("missing.pem");
+        assertThatThrownBy(() -> ServerTls.of(missing, server.key()))
+                .hasMessage("there is no file " + missing + ", expected one in PEM");
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), folder))
+                .hasMessage("there is no file " + folder + ", expected one in PEM");
         Certificate rsa = Certificate.make(folder, "rsa", "rsa:2048");
         assertThat(rsa.tls()).isNotNull();
         assertThatThrownBy(() -> ServerTls.of(server.certificate(), rsa.key()))

@@ -99,6 +99,18 @@ class TokensTest {
     }
 
     @Test
+    void aFolderIsNoFileOfTokensAndNoneIsMadeForOne() {
+        Path folder = file.getParent();
+        AgentToken token = AgentToken.issue("ada", Rights.ALL, Optional.empty()).token();
+        assertThatThrownBy(() -> TokenFile.add(folder, token))
+                .hasMessage(folder + " is a folder, expected a file of tokens");
+        Path missing = folder.resolve("missing").resolve("tokens.json");
+        assertThatThrownBy(() -> TokenFile.add(missing, token))
+                .hasMessage("there is no folder " + missing.getParent()
+                        + " for tokens.json; make it first");
+    }
+
+    @Test
     void revokingTakesAllOfANameOrTheOneOfAnId() throws IOException {
         String ada = add("ada");
         add("bob");

@@ -29,6 +29,7 @@ public final class DemoCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         Path root = Path.of(System.getProperty("reve.root", ".")).toAbsolutePath().normalize();
+        OptionFolder.make(spec, "--out", out);
         DemoReport report = new Demo(root, out, System.err).run();
         if (json) {
             Json.print(spec, report.fields());

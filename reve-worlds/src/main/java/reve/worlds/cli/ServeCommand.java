@@ -1,7 +1,6 @@
 package reve.worlds.cli;
 
 import java.io.IOException;
-import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
@@ -58,7 +57,7 @@ public final class ServeCommand implements Callable<Integer> {
     private Optional<Double> seconds = Optional.empty();
 
     @Option(names = "--snapshots", paramLabel = "DIR", defaultValue = ".",
-            description = "Folder for pictures, made if missing (default: the current one).")
+            description = "Folder for pictures (default: the current one).")
     private Path snapshots = Path.of(".");
 
     @Option(names = "--snapshot-at", paramLabel = "S", split = ",",
@@ -148,12 +147,6 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {
-        if (!snapshotAt.isEmpty()) {
-            Files.createDirectories(snapshots);
-        }
-        if (saves.isPresent()) {
-            Files.createDirectories(saves.get());
-        }
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
@@ -164,10 +157,27 @@ public final class ServeCommand implements Callable<Integer> {
                         + ", expected different names: agents tell them apart by these");
             }
         }
+        makeFolders();
         return List.copyOf(plans.values());
     }
 
-    private WorldPlan plan(WorldDescription description, Path folder) throws IOException {
+    private void makeFolders() throws IOException {
+        makeFolder("--snapshots", Optional.of(snapshots));
+        makeFolder("--saves", saves);
+        makeFolder("--laws", laws);
+        if (paths.size() > 1) {
+            makeFolder("--record", record);
+            makeFolder("--store", store);
+        }
+    }
+
+    private void makeFolder(String option, Optional<Path> folder) throws IOException {
+        if (folder.isPresent()) {
+            OptionFolder.make(spec, option, folder.get());
+        }
+    }
+
+    private WorldPlan plan(WorldDescription description, Path folder) {
         List<Long> pictureFrames = new ArrayList<>();
         for (double time : snapshotAt) {
             pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
@@ -180,12 +190,8 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /** The file of one world: that named or, of several worlds, one in the folder named. */
-    private Optional<Path> fileOf(Optional<Path> named, String name) throws IOException {
-        if (named.isPresent() && paths.size() > 1) {
-            Files.createDirectories(named.get());
-            return Optional.of(named.get().resolve(name));
-        }
-        return named;
+    private Optional<Path> fileOf(Optional<Path> named, String name) {
+        return paths.size() > 1 ? named.map(folder -> folder.resolve(name)) : named;
     }
 
     private void requireStoreEvery() {

@@ -94,7 +94,7 @@ public final class TokenCommand implements Runnable {
         try {
             issued = AgentToken.issue(name, rights.rights(), expires.map(TokenCommand::instant));
         } catch (IllegalArgumentException e) {
-            throw new ParameterException(spec.commandLine(), e.getMessage());
+            throw new ParameterException(spec.subcommands().get("new"), e.getMessage());
         }
         TokenFile.add(file, issued.token());
         if (json) {
@@ -154,18 +154,26 @@ public final class TokenCommand implements Runnable {
     }
 
     private static Instant instant(String when) {
+        Instant now = Instant.now();
+        Instant end;
         Matcher time = TIME_TO_LIVE.matcher(when);
         if (time.matches()) {
             int count = Integer.parseInt(time.group(1));
-            return Instant.now().plus(time.group(2).equals("d") ? Duration.ofDays(count)
+            end = now.plus(time.group(2).equals("d") ? Duration.ofDays(count)
                     : Duration.ofHours(count));
+        } else {
+            try {
+                end = Instant.parse(when);
+            } catch (DateTimeParseException e) {
+                throw new IllegalArgumentException("--expires " + when
+                        + ": expected 30d, 12h, or a time such as 2030-01-31T12:00:00Z", e);
+            }
         }
-        try {
-            return Instant.parse(when);
-        } catch (DateTimeParseException e) {
-            throw new IllegalArgumentException("--expires " + when
-                    + ": expected 30d, 12h, or a time such as 2030-01-31T12:00:00Z", e);
+        if (!end.isAfter(now)) {
+            throw new IllegalArgumentException(
+                    "--expires " + when + " is over already, expected a time to come");
         }
+        return end;
     }
 
     private static Map<String, Object> fields(AgentToken token) {

@@ -1,0 +1,37 @@
+package reve.worlds.cli;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.ParameterException;
+
+/** A folder that an option names. */
+final class OptionFolder {
+    private OptionFolder() {}
+
+    /**
+     * Makes the folder if it is missing, but none that it would be in: those are rather mistyped.
+     *
+     * @throws ParameterException if it is something else, or would be in no folder
+     */
+    static void make(CommandSpec spec, String option, Path given) throws IOException {
+        Path folder = given.toAbsolutePath().normalize();
+        if (Files.isDirectory(folder)) {
+            return;
+        }
+        if (Files.exists(folder)) {
+            throw refused(spec, option, given, "is a file, expected a folder");
+        }
+        if (!Files.isDirectory(folder.getParent())) {
+            throw refused(spec, option, given,
+                    "there is no folder " + folder.getParent() + "; make it first");
+        }
+        Files.createDirectory(folder);
+    }
+
+    private static ParameterException refused(CommandSpec spec, String option, Path given,
+            String reason) {
+        return new ParameterException(spec.commandLine(), option + " " + given + ": " + reason);
+    }
+}
