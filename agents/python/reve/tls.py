@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import io
 import socket
 import ssl
@@ -34,7 +35,18 @@ def trusting(tls: Tls) -> ssl.SSLContext:
     """What trusts whom `tls`, which is not False, says."""
     if isinstance(tls, ssl.SSLContext):
         return tls
-    return ssl.create_default_context(cafile=tls if isinstance(tls, str) else None)
+    if tls is True:
+        return ssl.create_default_context()
+    try:
+        return ssl.create_default_context(cafile=tls)
+    except FileNotFoundError:
+        raise FileNotFoundError(
+            errno.ENOENT, "there is no file of certificates to trust", tls
+        ) from None
+    except ssl.SSLError as error:
+        raise Disconnected(
+            "tls-failed", f"{tls} cannot be trusted: {error}", "expected certificates in PEM"
+        ) from error
 
 
 def failed(error: Exception) -> Disconnected:

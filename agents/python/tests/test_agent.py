@@ -359,6 +359,17 @@ class AgentTest(unittest.TestCase):
         self.assertEqual(summary["painted"], {"duck": "#0040ff"})
         self.assertEqual((summary["actsAccepted"], summary["actsRefused"]), (1, {}))
 
+    def test_a_file_of_certificates_that_is_none_is_named(self):
+        with self.assertRaises(FileNotFoundError) as missing:
+            self.join("ada", tls="missing.crt")
+        self.assertEqual(missing.exception.filename, "missing.crt")
+        self.assertIn("certificates", missing.exception.strerror)
+        with self.assertRaises(reve.Disconnected) as none:
+            self.join("ada", tls=__file__)
+        self.assertEqual(none.exception.code, "tls-failed")
+        self.assertIn(__file__, str(none.exception))
+        self.assertIn("PEM", none.exception.hint)
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -2,6 +2,9 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import java.io.IOException;
+import java.net.InetAddress;
+import java.net.ServerSocket;
 import java.nio.file.Path;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -33,6 +36,34 @@ class ControlCommandIT {
                     .code()).isZero();
             assertThat(server.exitCode()).isZero();
         }
+    }
+
+    @Test
+    void whatNobodyCouldAnswerIsNotSaid() throws Exception {
+        assertRefused(2, "'fork' is no command", "rewind", "control", "fork", "frames=3");
+        assertRefused(2, "step has no field 'frams'", "it has frames",
+                "control", "step", "frams=3");
+        assertRefused(2, "--port is 99999", "65535", "control", "pause", "--port", "99999");
+        assertRefused(1, "there is no such address", "nowhere.invalid",
+                "control", "pause", "--host", "nowhere.invalid");
+        assertRefused(1, "there is no file", "none.crt",
+                "control", "pause", "--tls-trust", "none.crt");
+        String port = closedPort();
+        assertRefused(1, "127.0.0.1:" + port, "does a server run there?",
+                "control", "pause", "--port", port);
+    }
+
+    private static String closedPort() throws IOException {
+        try (var socket = new ServerSocket(0, 1, InetAddress.getLoopbackAddress())) {
+            return Integer.toString(socket.getLocalPort());
+        }
+    }
+
+    private static void assertRefused(int code, String reason, String detail, String... command)
+            throws Exception {
+        Reve.Outcome outcome = Reve.run(command);
+        assertThat(outcome.code()).as(outcome.err()).isEqualTo(code);
+        assertThat(outcome.err()).contains(reason, detail);
     }
 
     private static Reve.Outcome control(String port, String... command) throws Exception {

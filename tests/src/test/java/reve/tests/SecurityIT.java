@@ -41,6 +41,8 @@ class SecurityIT {
                 + " --audit audit.jsonl --record run.log --store store.db";
         try (Server server = shell.serve(serve)) {
             int port = Integer.parseInt(server.port());
+            assertThat(server.events().await("ready", any -> true).get("agents").asString())
+                    .isEqualTo("0.0.0.0:" + port);
             assertThat(python(port)).contains("ada is ada in spring-orbit");
             assertThat(java(port)).contains("spring-orbit has ");
             secrets.add(refusals(port));

@@ -97,7 +97,8 @@ public final class AgentServer implements AutoCloseable {
         int all = config.limits().maxConnections();
         this.strangers = new Strangers(all - all / 4);
         this.listening = listening;
-        this.address = (InetSocketAddress) listening.getLocalAddress();
+        this.address = new InetSocketAddress(config.address().getAddress(),
+                ((InetSocketAddress) listening.getLocalAddress()).getPort());
         this.loop = new EventLoop(log, new LoopWork(),
                 shortest(config.timeouts()) / CHECKS_PER_DEADLINE);
         this.accepting = loop.register(listening, SelectionKey.OP_ACCEPT, key -> accept());

@@ -2,12 +2,17 @@ package reve.worlds.cli;
 
 import java.io.IOException;
 import java.io.PrintWriter;
+import java.net.SocketException;
+import java.net.UnknownHostException;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
+import java.util.TreeMap;
+import java.util.TreeSet;
 import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Model.CommandSpec;
@@ -30,6 +35,21 @@ import reve.agent.Trust;
                 + "control edit item=blue property=physics.velocity value=0,3,0.")
 public final class ControlCommand implements Callable<Integer> {
     private static final String TOKEN = "REVE_TOKEN";
+    private static final int MAX_PORT = 65_535;
+
+    /** The fields of each command that can be written as FIELD=VALUE and has a result. */
+    private static final Map<String, Set<String>> COMMANDS = new TreeMap<>(Map.ofEntries(
+            Map.entry("pause", Set.of()),
+            Map.entry("step", Set.of("frames")),
+            Map.entry("run", Set.of()),
+            Map.entry("snapshot", Set.of("image")),
+            Map.entry("rewind", Set.of("image")),
+            Map.entry("save", Set.of("file")),
+            Map.entry("edit", Set.of("item", "property", "value")),
+            Map.entry("load-law", Set.of("library")),
+            Map.entry("unload-law", Set.of("library")),
+            Map.entry("picture", Set.of()),
+            Map.entry("shut-down", Set.of())));
 
     @Spec
     private CommandSpec spec = CommandSpec.create();
@@ -70,12 +90,27 @@ public final class ControlCommand implements Callable<Integer> {
     @Override
     public Integer call() throws IOException {
         Map<String, Object> fields = fields();
-        try (AgentClient client = AgentClient.connect(host, port, join())) {
+        try (AgentClient client = connect()) {
             ActResult result = client.command(command, fields);
             tell(result);
             return result.accepted() ? ExitCode.OK : ExitCode.FAILURE;
         } catch (AgentException refused) {
             throw new IOException(host + ":" + port + " answers " + refused.getMessage(), refused);
+        }
+    }
+
+    private AgentClient connect() throws IOException {
+        if (port < 1 || port > MAX_PORT) {
+            throw wrong("--port is " + port + ", expected 1 to " + MAX_PORT);
+        }
+        Join join = join();
+        try {
+            return AgentClient.connect(host, port, join);
+        } catch (UnknownHostException e) {
+            throw new IOException("--host " + host + ": there is no such address", e);
+        } catch (SocketException e) {
+            throw new IOException(host + ":" + port + ": " + e.getMessage()
+                    + "; does a server run there?", e);
         }
     }
 
@@ -91,16 +126,30 @@ public final class ControlCommand implements Callable<Integer> {
     }
 
     private Map<String, Object> fields() {
+        Set<String> known = COMMANDS.get(command);
+        if (known == null) {
+            throw wrong("'" + command + "' is no command of the role control, expected one of "
+                    + String.join(", ", COMMANDS.keySet()));
+        }
         Map<String, Object> fields = new LinkedHashMap<>();
-        for (String field : given) {
-            int equals = field.indexOf('=');
+        for (String each : given) {
+            int equals = each.indexOf('=');
             if (equals < 1) {
-                throw new ParameterException(spec.commandLine(), "'" + field + "' is no field of "
-                        + command + ", expected FIELD=VALUE, e.g. image=calm");
+                throw wrong("'" + each + "' is no field of " + command
+                        + ", expected FIELD=VALUE, e.g. image=calm");
             }
-            fields.put(field.substring(0, equals), value(field.substring(equals + 1)));
+            String field = each.substring(0, equals);
+            if (!known.contains(field)) {
+                throw wrong(command + " has no field '" + field + "'; it has "
+                        + (known.isEmpty() ? "none" : String.join(", ", new TreeSet<>(known))));
+            }
+            fields.put(field, value(each.substring(equals + 1)));
         }
         return fields;
+    }
+
+    private ParameterException wrong(String problem) {
+        return new ParameterException(spec.commandLine(), problem);
     }
 
     private static Object value(String text) {
