@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import socket
 import threading
 from functools import partial
@@ -114,10 +115,20 @@ class Client:
         )
         self._reader.start()
 
+    def _dial(self) -> socket.socket:
+        try:
+            return socket.create_connection(self._address, self._timeout)
+        except OSError as error:
+            host, port = self._address
+            raise type(error)(
+                error.errno or errno.ETIMEDOUT,
+                f"{host}:{port}: {error.strerror or error}; does a server run there?",
+            ) from error
+
     def _open(
         self, greeting: Message
     ) -> Tuple[Union[socket.socket, TlsSocket], BinaryIO, Welcome]:
-        plain = socket.create_connection(self._address, self._timeout)
+        plain = self._dial()
         connection: Union[socket.socket, TlsSocket] = plain
         try:
             plain.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)

@@ -370,6 +370,12 @@ class AgentTest(unittest.TestCase):
         self.assertIn(__file__, str(none.exception))
         self.assertIn("PEM", none.exception.hint)
 
+    def test_where_no_server_answers_is_named(self):
+        with socket.create_server(("127.0.0.1", 0)) as listening:
+            port = listening.getsockname()[1]
+        with self.assertRaisesRegex(ConnectionRefusedError, f"127.0.0.1:{port}.*server"):
+            reve.connect("127.0.0.1", port, name="ada")
+
 
 if __name__ == "__main__":
     unittest.main()

@@ -20,6 +20,7 @@ HAS_GYM = all(importlib.util.find_spec(package) for package in ("gymnasium", "nu
 EXPECTED_WARNINGS = ".*(infinity|spec|symmetric and normalized).*"
 
 if HAS_GYM:
+    import gymnasium
     import numpy
     from gymnasium import spaces
     from gymnasium.utils.env_checker import check_env
@@ -145,6 +146,29 @@ class GymTest(unittest.TestCase):
         environment = self.environment("cart-pole", lambda at: Environment(at, Wrong()))
         with self.assertRaisesRegex(reve.ReveError, "physics.nothing of tip"):
             environment.reset(seed=1)
+
+    def test_a_step_before_the_first_reset_is_refused(self):
+        environment = self.environment("cart-pole", lambda at: Environment(at, Balance()))
+        with self.assertRaisesRegex(gymnasium.error.ResetNeeded, "reset"):
+            environment.step(numpy.array([0.0], numpy.float32))
+        environment.reset(seed=1)
+        environment.step(numpy.array([0.0], numpy.float32))
+
+    def test_each_world_of_a_server_has_an_environment_of_its_own(self):
+        worlds = ROOT / "worlds"
+        with reve.serve(
+            worlds / "cart-pole", str(worlds / "playground"), launcher=LAUNCHER
+        ) as at:
+            one = Environment(at, Balance(), world="cart-pole")
+            self.addCleanup(one.close)
+            other = Environment(at, Reach("robot1"), world="playground")
+            self.addCleanup(other.close)
+            one.reset(seed=1)
+            other.reset(seed=1)
+            for environment in (one, other, other, one):
+                environment.step(environment.action_space.sample())
+            with self.assertRaisesRegex(reve.ReveError, "has an environment of learner already"):
+                Environment(at, Balance(), world="cart-pole")
 
     def test_a_server_that_does_not_start_says_why(self):
         with self.assertRaisesRegex(reve.ReveError, "no-such-world"):

@@ -15,7 +15,8 @@ class Environment(gymnasium.Env[Any, Any]):
     """An agent's task in a world that waits for it. The world is the environment's own while it is
     open.
 
-    `address` is host and port of a server, such as that of `reve.serve(...)`. A step is `frames`
+    `address` is host and port of a server, such as that of `reve.serve(...)`, and `world` the name
+    of one of its worlds, if it has several. A step is `frames`
     frames long, an episode `steps` steps at most. Every episode begins where the world began,
     changed by the task's `begin`; so the same seed and actions give the same observations, to the
     bit. `info` holds the world's `time` [s] and the `items` that the agent perceives. With
@@ -35,6 +36,7 @@ class Environment(gymnasium.Env[Any, Any]):
         name: str = "learner",
         render_mode: Optional[str] = None,
         camera: Optional[Camera] = None,
+        world: Optional[str] = None,
     ) -> None:
         self.task = task
         self.observation_space = task.observation_space
@@ -43,7 +45,7 @@ class Environment(gymnasium.Env[Any, Any]):
         self._steps = steps
         self._done = 0
         self.render_mode = render_mode
-        self._stage = Stage(address, {name: task}, frames, render_mode, camera)
+        self._stage = Stage(address, {name: task}, frames, render_mode, camera, world)
         self.metadata = {"render_modes": RENDER_MODES, "render_fps": self._stage.fps}
 
     def reset(

@@ -32,6 +32,7 @@ class ParallelEnvironment(ParallelEnv[str, Any, Any]):
         steps: Optional[int] = None,
         render_mode: Optional[str] = None,
         camera: Optional[Camera] = None,
+        world: Optional[str] = None,
     ) -> None:
         self.tasks = dict(tasks)
         self.possible_agents: List[str] = list(self.tasks)
@@ -40,7 +41,7 @@ class ParallelEnvironment(ParallelEnv[str, Any, Any]):
         self._random = numpy.random.default_rng()
         self._steps = steps
         self._done = 0
-        self._stage = Stage(address, self.tasks, frames, render_mode, camera)
+        self._stage = Stage(address, self.tasks, frames, render_mode, camera, world)
         self.metadata = {**self.metadata, "render_fps": self._stage.fps}
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:

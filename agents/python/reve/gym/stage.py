@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from typing import Any, Dict, Iterable, List, Mapping, Optional, Tuple
 
+import gymnasium
 import numpy
 import numpy.typing
 
-from ..client import Agent, connect, control
+from ..client import Agent, Control, connect, control
 from ..errors import ReveError
 from ..protocol import Act, LockStep, Perception
 from .task import Task
@@ -39,6 +40,7 @@ class Stage:
         frames: int,
         render_mode: Optional[str] = None,
         camera: Optional[Camera] = None,
+        world: Optional[str] = None,
     ) -> None:
         if frames < 1:
             raise ValueError(f"frames is {frames}; expected 1 or more")
@@ -50,13 +52,15 @@ class Stage:
         self._tasks = tasks
         self._frames = frames
         self._frame = 0
-        self._control = control(*address, name="-".join(("stage", *tasks))[:64])
+        self._world = world
+        self._control = self._take(address)
         self._agents: Dict[str, Agent] = {}
         self._guest: Optional[Agent] = None
         try:
             for name, task in tasks.items():
                 self._agents[name] = connect(
-                    *address, name=name, body=task.body, time=LockStep(frames, _DEADLINE)
+                    *address, name=name, body=task.body, world=world,
+                    time=LockStep(frames, _DEADLINE),
                 )
             self._camera = camera if render_mode is not None else None
             self._viewer = None if self._camera is None else self._view(address, self._camera[0])
@@ -64,13 +68,26 @@ class Stage:
             self.close()
             raise
 
+    def _take(self, address: Address) -> Control:
+        try:
+            name = "-".join(("stage", *self._tasks))[:64]
+            return control(*address, name=name, world=self._world)
+        except ReveError as error:
+            if error.code != "name-taken":
+                raise
+            raise ReveError(
+                error.code,
+                f"the world has an environment of {', '.join(self._tasks)} already",
+                "close that, or serve a world for each",
+            ) from error
+
     def _view(self, address: Address, item: str) -> Agent:
         """Whose camera it is; an agent more if the item is no task's body."""
         for agent in self._agents.values():
             if agent.body == item:
                 return agent
         name = "-".join(("view", *self._tasks))[:64]
-        self._guest = connect(*address, name=name, body=item)
+        self._guest = connect(*address, name=name, body=item, world=self._world)
         return self._guest
 
     @property
@@ -111,6 +128,8 @@ class Stage:
 
     def step(self, acts: Mapping[str, Iterable[Act]]) -> Dict[str, Perception]:
         """Lets everybody act, and the world go on; what is perceived then."""
+        if self._frame == 0:
+            raise gymnasium.error.ResetNeeded("an episode begins with reset, and step comes after")
         for name, agent in self._agents.items():
             agent.ready(*acts.get(name, ()))
         self._frame += self._frames
