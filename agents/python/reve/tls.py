@@ -38,7 +38,7 @@ def trusting(tls: Tls) -> ssl.SSLContext:
     if tls is True:
         return ssl.create_default_context()
     try:
-        return ssl.create_default_context(cafile=tls)
+        return ssl.create_default_context(cafile=tls or None)
     except FileNotFoundError:
         raise FileNotFoundError(
             errno.ENOENT, "there is no file of certificates to trust", tls
