@@ -406,13 +406,28 @@ final class Connection implements EventLoop.Handler {
     void write() {
         toWrite.set(false);
         try {
-            if (wire.isOpen() && writeAll() && outbox.isDone()) {
+            if (wire.isOpen() && !shut && writeAll() && outbox.isDone()) {
                 shut();
             }
         } catch (IOException e) {
             close();
-        } catch (Throwable e) {
+        } catch (Throwable e) { // such as a record that cannot be kept of what it is told
             fail(e);
+            sayBye();
+        }
+    }
+
+    /** Says nothing any more of what waits, but why; not even that in the middle of a message. */
+    private void sayBye() {
+        Ending why = ending;
+        if (why == null || isStuck() || !wire.isOpen()) {
+            close();
+            return;
+        }
+        try {
+            wire.write(ByteBuffer.wrap(why.bye().in(encoding)));
+            shut();
+        } catch (IOException e) {
             close();
         }
     }

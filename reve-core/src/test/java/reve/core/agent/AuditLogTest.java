@@ -37,4 +37,15 @@ class AuditLogTest {
                     .hasMessageContainingAll("/dev/full", "No space left on device");
         }
     }
+
+    @Test
+    void whoCannotBeToldForWantOfARecordIsToldThat() throws Exception {
+        AgentServerConfig config = AgentRoom.CONFIG.withAudit(Path.of("/dev/full"));
+        try (var room = new AgentRoom(config); TestClient ada = room.connect()) {
+            ada.say("{'t':'hello','protocol':1,'name':'ada'}");
+            room.stepUntil("it is there", () -> room.has("ada"));
+            ada.expectBye("failed");
+            room.stepUntil("it has left", () -> !room.has("ada"));
+        }
+    }
 }
