@@ -12,8 +12,10 @@ namespace {
 constexpr uint32_t kNowhere = UINT32_MAX;
 constexpr uint64_t kUnknown = UINT64_MAX;
 // Bodies of a tile: enough for its springs to be worth a task, and so few that they stay in the
-// second-level cache.
-constexpr uint64_t kFewestBodies = 2048, kMostBodies = 8192;
+// second-level cache. More where many springs would hold bodies of two tiles.
+constexpr uint64_t kFewestBodies = 1024, kFewestIfFar = 2048, kMostBodies = 8192;
+// Bodies between the ends of a spring, on average, up to which few springs do.
+constexpr uint64_t kNear = 128;
 // Tiles to aim at: enough for the processors of a desktop.
 constexpr uint64_t kTiles = 8;
 // Bodies from one spring to the next, on average, beyond which memory is worth a new order.
@@ -26,6 +28,12 @@ bool VisitsInOrder(std::span<const Ends> endpoints) {
     jumps += high - low;
   }
   return jumps <= kFar * endpoints.size();
+}
+
+bool HoldsNear(std::span<const Ends> endpoints) {
+  uint64_t reach = 0;
+  for (const auto& [a, b] : endpoints) reach += std::max(a, b) - std::min(a, b);
+  return reach <= kNear * endpoints.size();
 }
 
 /// Rows by the lower of their ends; those where it is the same stay in order.
@@ -72,8 +80,9 @@ bool SpringTiles::Build(std::span<const Ends> endpoints, uint64_t bodies) {
 
 /// Lays out the tiles, with room for their springs.
 void SpringTiles::Cut(std::span<const Ends> endpoints, uint64_t bodies) {
+  const uint64_t fewest_bodies = HoldsNear(endpoints) ? kFewestBodies : kFewestIfFar;
   const uint64_t fewest = std::bit_ceil((bodies + kMostBodies - 1) / kMostBodies);
-  const uint64_t most = std::max(fewest, std::min(kTiles, std::bit_floor(bodies / kFewestBodies)));
+  const uint64_t most = std::max(fewest, std::min(kTiles, std::bit_floor(bodies / fewest_bodies)));
   tile_size_ = std::max<uint64_t>(1, (bodies + most - 1) / most);
   tiles_.clear();
   for (uint64_t first = 0; first < bodies; first += tile_size_) {

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "moves.hpp"
 #include "vesper/law.hpp"
 
@@ -8,8 +10,16 @@ using newton_motion::AvailableMoves;
 using newton_motion::Bodies;
 using newton_motion::Moves;
 
-// Bodies that a thread takes at once, and so few that waking another is not worth it.
-constexpr uint64_t kGrain = 2048, kFew = 4096;
+// Bodies so few that waking another thread is not worth it; how many a thread takes at once, at
+// most and, so that none is in a rest that fills no vector, as a multiple of.
+constexpr uint64_t kFew = 2048, kGrain = 2048, kVectors = 64;
+// Chunks to aim at, for the processors of a desktop.
+constexpr uint64_t kChunks = 8;
+
+uint64_t Grain(uint64_t bodies) {
+  if (bodies <= kFew) return kFew;
+  return std::min(kGrain, (bodies / kChunks + kVectors) / kVectors * kVectors);
+}
 
 /** Semi-implicit Euler: v' = v + (F/m) dt, then x' = x + v' dt. */
 template <class Real>
@@ -31,8 +41,7 @@ struct NewtonMotion {
   void Advance(const Step& step) {
     const auto dt = static_cast<Real>(step.dt);
     const Bodies<Real> bodies{mass.data(), force.data(), velocity.data(), position.data()};
-    const uint64_t grain = mass.size() <= kFew ? kFew : kGrain;
-    step.ParallelFor(mass.size(), grain, [&](uint64_t begin, uint64_t end) {
+    step.ParallelFor(mass.size(), Grain(mass.size()), [&](uint64_t begin, uint64_t end) {
       if (acceleration.present()) Accelerate(begin, end);
       compiled_.move(bodies, begin, end, dt);
     });

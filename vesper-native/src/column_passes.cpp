@@ -17,9 +17,11 @@ uint64_t FindNonFinite(ThreadPool& pool, vesper_scalar_type type, const void* va
 
 void Zero(ThreadPool& pool, vesper_scalar_type type, void* values, uint64_t count) {
   auto* bytes = static_cast<std::byte*>(values);
-  pool.ParallelFor(count, PassGrain(count), [=](uint64_t begin, uint64_t end) {
+  auto clear = [=](uint64_t begin, uint64_t end) {
     std::memset(bytes + begin * ScalarSize(type), 0, (end - begin) * ScalarSize(type));
-  });
+  };
+  const Sharing sharing = ShareOut(count);
+  pool.ParallelFor(count, sharing.grain, clear, sharing.helpers);
 }
 
 }  // namespace vesper

@@ -12,22 +12,31 @@
 
 namespace vesper {
 
-/// Values that a thread takes at once: one chunk if they are too few to be worth waking another.
-inline uint64_t PassGrain(uint64_t count) {
-  constexpr uint64_t kFew = 1 << 15, kGrain = 1 << 13;
-  return count <= kFew ? kFew : kGrain;
+/// How a pass is shared: values that a thread takes at once, and by which threads.
+struct Sharing {
+  uint64_t grain;
+  Helpers helpers;
+};
+
+/// Few values are not worth waking a thread, very few not even worth handing to one that is awake.
+inline Sharing ShareOut(uint64_t values) {
+  constexpr uint64_t kVeryFew = 1 << 12, kFew = 1 << 15, kGrain = 1 << 13, kChunks = 8;
+  if (values > kFew) return {kGrain, Helpers::kAll};
+  return {values > kVeryFew ? values / kChunks + 1 : kVeryFew, Helpers::kAwake};
 }
 
 /// The smallest of what find(begin, end) answers for ranges that cover [0, count).
 template <class Find>
 uint64_t FindFirst(ThreadPool& pool, uint64_t count, const Find& find) {
   std::atomic<uint64_t> first = kNotFound;
-  pool.ParallelFor(count, PassGrain(count), [&](uint64_t begin, uint64_t end) {
+  auto look = [&](uint64_t begin, uint64_t end) {
     const uint64_t found = find(begin, end);
     uint64_t before = first.load(std::memory_order_relaxed);
     while (found < before && !first.compare_exchange_weak(before, found)) {
     }
-  });
+  };
+  const Sharing sharing = ShareOut(count);
+  pool.ParallelFor(count, sharing.grain, look, sharing.helpers);
   return first.load();
 }
 

@@ -106,12 +106,13 @@ bool WroteFinite(const Law& law, ThreadPool& pool, const Targets& seen) {
   }
   if (values == 0) return true;
   std::atomic<bool> finite = true;
-  const uint64_t grain = PassGrain(values) * rows / values + 1;
-  pool.ParallelFor(rows, grain, [&](uint64_t begin, uint64_t end) {
+  auto look = [&](uint64_t begin, uint64_t end) {
     for (size_t i = 0; i < seen.size(); ++i) {
       if (IsWritten(law, seen, i) && !IsFinite(seen[i], begin, end)) finite = false;
     }
-  });
+  };
+  const Sharing sharing = ShareOut(values);
+  pool.ParallelFor(rows, sharing.grain * rows / values + 1, look, sharing.helpers);
   return finite;
 }
 
