@@ -28,7 +28,8 @@ final class Audience {
     private static final int AXES = 3;
 
     // What agents with sensors were shown.
-    private final Map<Session, View> shown = new IdentityHashMap<>();
+    private final Map<Session, Showing> showings = new IdentityHashMap<>();
+    /** Brought up to date when there are events. */
     private final Map<ItemId, Set<Session>> viewers = new HashMap<>();
 
     // Where they are in this frame.
@@ -45,20 +46,32 @@ final class Audience {
 
     private final Set<Session> mayHear = new HashSet<>();
 
+    private static final class Showing {
+        private List<Seen> newest = List.of();
+        /** Those of whose items the member counts as a viewer. */
+        private List<Seen> counted = List.of();
+    }
+
     /** A member is shown what its sensors sense. */
     void shows(Session member, View view) {
-        View before = shown.put(member, view);
-        if (before != view) {
-            update(member, before == null ? List.of() : before.items(), view.items());
-        }
+        showings.computeIfAbsent(member, unknown -> new Showing()).newest = view.items();
     }
 
     /** A member has left. */
     void forget(Session member) {
-        View before = shown.remove(member);
-        if (before != null) {
-            update(member, before.items(), List.of());
+        Showing showing = showings.remove(member);
+        if (showing != null) {
+            update(member, showing.counted, List.of());
         }
+    }
+
+    private void countViewers() {
+        showings.forEach((member, showing) -> {
+            if (showing.counted != showing.newest) {
+                update(member, showing.counted, showing.newest);
+                showing.counted = showing.newest;
+            }
+        });
     }
 
     /** Two lists in the order of ids, merged. */
@@ -90,6 +103,7 @@ final class Audience {
 
     /** Takes the members as they are in the frame that the observatory has read. */
     void locate(Collection<Session> members, Observatory world) {
+        countViewers();
         withSensors.clear();
         withoutSensors.clear();
         reachingAll.clear();

@@ -4,7 +4,6 @@ import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.util.ArrayList;
 import java.util.Arrays;
-import java.util.Collections;
 import java.util.HashMap;
 import java.util.HashSet;
 import java.util.IdentityHashMap;
@@ -48,6 +47,7 @@ final class Observatory {
     private View everything = new View(0, 0, List.of());
 
     // By the place in the order of ids.
+    private long[] inOrder = {};
     private EncodedItem[] items = {};
     private int[] rows = {};
     private Seen[] seen = {};
@@ -79,10 +79,12 @@ final class Observatory {
             if (others) {
                 readItems(snapshot.symbols());
             }
-            if (others || table.ids().segment().mismatch(MemorySegment.ofArray(ids)) >= 0) {
+            boolean rearranged =
+                    others || table.ids().segment().mismatch(MemorySegment.ofArray(ids)) >= 0;
+            if (rearranged) {
                 findRows(table);
             }
-            follow(table);
+            follow(table, rearranged);
             readPlaces();
             everything = new View(snapshot.frame(), snapshot.timeSeconds(), List.of(seen));
         } catch (RuntimeException e) {
@@ -123,15 +125,17 @@ final class Observatory {
             }
         }
         items = present.toArray(EncodedItem[]::new);
+        inOrder = present.stream().mapToLong(item -> item.source().id().value()).toArray();
         seen = same.toArray(Seen[]::new);
         sensed.clear();
+        sensed.put(Shown.EVERYTHING, seen);
         shownBy.clear();
         idByName = names;
         symbols = now;
     }
 
-    private void follow(TableSnapshot table) {
-        moved = bodies.follow(table);
+    private void follow(TableSnapshot table, boolean rearranged) {
+        moved = bodies.follow(table, rearranged);
         path += moved;
         if (!(path < LONGEST_PATH)) {
             path = 0;
@@ -164,7 +168,9 @@ final class Observatory {
     private boolean isSame(Seen before, EncodedItem now, int row) {
         double[] place = before.place();
         return before.item() == now
-                && (row == NO_ROW ? place == null : place != null && bodies.isAt(row, place));
+                && (row == NO_ROW ? place == null : place != null
+                        && (!bodies.hasMoved(row, bodies.moment() - 1)
+                                || bodies.isAt(row, place)));
     }
 
     /** All there is. */
@@ -220,11 +226,9 @@ final class Observatory {
      * @param before what it sensed before; the same list if it senses the same now
      */
     List<Seen> sense(Sensor sensor, ItemId body, Surroundings around, List<Seen> before) {
-        int eye = everything.indexOf(body);
+        int eye = place(body);
         gather(sensor, eye, around);
-        return isGathered(before) ? before
-                : Collections.unmodifiableList(
-                        Arrays.asList(Arrays.copyOf(gathered, gatheredCount)));
+        return isGathered(before) ? before : List.of(Arrays.copyOf(gathered, gatheredCount));
     }
 
     private boolean isGathered(List<Seen> items) {
@@ -252,11 +256,12 @@ final class Observatory {
         if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited()
                 || Double.isInfinite(sensor.range())) {
             for (int i = 0; i < items.length; i++) {
-                add(sensor, eye, i, shown);
+                gather(sensed(sensor, eye, i, shown));
             }
             return;
         }
         lookAround(sensor, rows[eye], around);
+        boolean anew = sensor.lineOfSight() || bodies.hasMoved(rows[eye], around.sensedIn);
         boolean itself = false;
         for (int k = 0; k < around.count; k++) {
             int i = around.items[k];
@@ -265,32 +270,40 @@ final class Observatory {
                 itself = true;
             }
             itself |= i == eye;
-            add(sensor, eye, i, shown);
+            if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
+                around.sensed[k] = sensed(sensor, eye, i, shown);
+            }
+            gather(around.sensed[k]);
         }
         if (!itself) {
             gather(seen[eye]);
         }
+        around.sensedIn = bodies.moment();
     }
 
-    private void gather(Seen item) {
-        if (gatheredCount == gathered.length) {
-            gathered = Arrays.copyOf(gathered, Math.max(64, 2 * gatheredCount));
-        }
-        gathered[gatheredCount++] = item;
-    }
-
-    private void add(Sensor sensor, int eye, int i, Seen[] shown) {
-        if (i == eye) {
-            gather(seen[i]);
-        } else if (senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i])) {
-            Seen known = shown[i];
-            if (known == null || known.item() != seen[i].item()
-                    || known.place() != seen[i].place()) {
-                known = new Seen(seen[i].item(), seen[i].place(), Shown.by(sensor), Map.of());
-                shown[i] = known;
+    private void gather(@Nullable Seen item) {
+        if (item != null) {
+            if (gatheredCount == gathered.length) {
+                gathered = Arrays.copyOf(gathered, Math.max(64, 2 * gatheredCount));
             }
-            gather(known);
+            gathered[gatheredCount++] = item;
         }
+    }
+
+    /** What a sensor makes of an item, null if it does not sense it. */
+    private @Nullable Seen sensed(Sensor sensor, int eye, int i, Seen[] shown) {
+        if (i == eye) {
+            return seen[i];
+        }
+        if (!senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i])) {
+            return null;
+        }
+        Seen known = shown[i];
+        if (known == null || known.item() != seen[i].item() || known.place() != seen[i].place()) {
+            known = new Seen(seen[i].item(), seen[i].place(), Shown.by(sensor), Map.of());
+            shown[i] = known;
+        }
+        return known;
     }
 
     /**
@@ -308,10 +321,7 @@ final class Observatory {
             bodies.find(eye, sensor, WIDER * range, found);
             around.foundOnce();
         }
-        if (around.items.length < found.size()) {
-            around.items = new int[found.size() + found.size() / 4];
-        }
-        around.count = found.size();
+        around.reserve(found.size());
         for (int k = 0; k < around.count; k++) {
             around.items[k] = places[(int) found.key(k)];
         }
@@ -323,7 +333,7 @@ final class Observatory {
         if (item.equals(body)) {
             return true;
         }
-        int place = everything.indexOf(item);
+        int place = place(item);
         if (place < 0) {
             return false;
         }
@@ -372,7 +382,12 @@ final class Observatory {
     }
 
     private int row(ItemId id) {
-        int place = everything.indexOf(id);
+        int place = place(id);
         return place < 0 ? NO_ROW : rows[place];
+    }
+
+    /** In the order of ids; negative if there is no such item. */
+    private int place(ItemId id) {
+        return Arrays.binarySearch(inOrder, id.value());
     }
 }

@@ -2,6 +2,7 @@ package reve.core.agent;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import java.util.Arrays;
 import java.util.stream.LongStream;
 import reve.core.space.Box;
 import reve.core.space.BoxIndex;
@@ -23,6 +24,9 @@ import reve.core.world.TableView;
  */
 final class SensedWorld {
 
+    /** A moment since which everything has moved. */
+    static final long BEFORE_ALL = -1;
+
     private static final int CORNERS = 8;
     /** A line of sight that only touches a box at its very ends is free. */
     private static final double END = 1e-9;
@@ -36,8 +40,14 @@ final class SensedWorld {
 
     // As they were when they were last followed.
     private double[] positionBefore = {};
+    private double[] orientationBefore = {};
     private double[] lowBefore = {};
     private double[] highBefore = {};
+
+    /** How often they were followed. */
+    private long moment;
+    /** By row: the moment in which its place or box was last another than before. */
+    private long[] movedIn = {};
 
     /** Boxes by row, as far as somebody has asked since they were loaded. */
     private final BoxIndex index = new BoxIndex();
@@ -61,35 +71,55 @@ final class SensedWorld {
     }
 
     /**
-     * Takes the bodies as they are now, in the rows in which they were before.
+     * Takes the bodies as they are now.
      *
+     * @param rearranged true if rows may hold others than before, or there are more or fewer: then
+     *     all have moved
      * @return a way that none of them, nor any corner of its box, has gone further than [m]; NaN or
      *     infinite if there is none
      */
-    double follow(TableView bodies) {
-        int before = rows;
+    double follow(TableView bodies, boolean rearranged) {
         positionBefore = keep(position, positionBefore);
+        orientationBefore = keep(orientation, orientationBefore);
         lowBefore = keep(low, lowBefore);
         highBefore = keep(high, highBefore);
         load(bodies);
-        double along = Math.max(farthest(position, positionBefore),
-                Math.max(farthest(low, lowBefore), farthest(high, highBefore)));
-        return before == rows ? Math.sqrt(3) * along : Double.POSITIVE_INFINITY;
+        moment++;
+        if (rearranged) {
+            Arrays.fill(movedIn, moment);
+            return Double.POSITIVE_INFINITY;
+        }
+        markMoved(orientation, orientationBefore, 4);
+        return Math.sqrt(3) * Math.max(markMoved(position, positionBefore, 3),
+                Math.max(markMoved(low, lowBefore, 3), markMoved(high, highBefore, 3)));
     }
 
-    private double[] keep(double[] numbers, double[] into) {
+    private static double[] keep(double[] numbers, double[] into) {
         double[] kept = into.length < numbers.length ? new double[numbers.length] : into;
-        System.arraycopy(numbers, 0, kept, 0, 3 * rows);
+        System.arraycopy(numbers, 0, kept, 0, numbers.length);
         return kept;
     }
 
-    /** The longest way along an axis. */
-    private double farthest(double[] now, double[] before) {
+    /** @return the largest difference of a number */
+    private double markMoved(double[] now, double[] before, int components) {
         double most = 0;
-        for (int i = 0; i < Math.min(3 * rows, before.length); i++) {
-            most = Math.max(most, Math.abs(now[i] - before[i]));
+        for (int i = 0; i < components * rows; i++) {
+            if (now[i] != before[i]) {
+                movedIn[i / components] = moment;
+                most = Math.max(most, Math.abs(now[i] - before[i]));
+            }
         }
         return most;
+    }
+
+    /** How often the bodies were followed. */
+    long moment() {
+        return moment;
+    }
+
+    /** Whether a body's place or box has changed since a {@link #moment}. */
+    boolean hasMoved(int row, long since) {
+        return movedIn[row] > since;
     }
 
     private void reserve(int rowCount) {
@@ -101,6 +131,7 @@ final class SensedWorld {
             low = new double[3 * capacity];
             high = new double[3 * capacity];
             shape = new int[capacity];
+            movedIn = new long[capacity];
             keys = LongStream.range(0, capacity).toArray();
         }
         indexed = false;
@@ -220,28 +251,29 @@ final class SensedWorld {
             point[axis] = Math.clamp(position[3 * body + axis], low[3 * row + axis],
                     high[3 * row + axis]);
         }
-        if (distance(body) > sensor.range()) {
+        double nearest = distance(body);
+        if (nearest > sensor.range()) {
             return false;
         }
-        if (isSeen(sensor, body, row)) {
+        if (isSeen(sensor, body, row, nearest)) {
             return true;
         }
         for (int axis = 0; axis < 3; axis++) {
             point[axis] = 0.5 * (low[3 * row + axis] + high[3 * row + axis]);
         }
-        boolean seen = isSeen(sensor, body, row);
+        boolean seen = isSeen(sensor, body, row, distance(body));
         for (int corner = 0; corner < CORNERS && !seen; corner++) {
             for (int axis = 0; axis < 3; axis++) {
                 point[axis] = (corner >> axis & 1) == 0 ? low[3 * row + axis]
                         : high[3 * row + axis];
             }
-            seen = isSeen(sensor, body, row);
+            seen = isSeen(sensor, body, row, distance(body));
         }
         return seen;
     }
 
-    private boolean isSeen(Sensor sensor, int body, int row) {
-        double distance = distance(body);
+    /** @param distance of the point from the eye [m] */
+    private boolean isSeen(Sensor sensor, int body, int row, double distance) {
         return distance <= sensor.range() && isInView(sensor, body, distance)
                 && !(sensor.lineOfSight() && isHidden(body, row));
     }

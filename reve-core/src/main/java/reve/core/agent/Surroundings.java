@@ -1,5 +1,7 @@
 package reve.core.agent;
 
+import org.jspecify.annotations.Nullable;
+
 /**
  * What is around a body as far as one of its sensors may reach while nothing moves far: found once,
  * and true for many frames in a world where things move slowly. One thread.
@@ -14,6 +16,10 @@ final class Surroundings {
 
     int[] items = {};
     int count;
+    /** What the sensor made of each when it last sensed; null for what it did not sense. */
+    @Nullable Seen[] sensed = {};
+    /** The moment of the bodies when it last sensed; before all of them if it has not. */
+    long sensedIn;
     private long arrangement = -1;
     private double path;
 
@@ -35,6 +41,16 @@ final class Surroundings {
     /** As {@link #foundIn}, without a margin: it holds in no other frame. */
     void foundOnce() {
         arrangement = -1;
+    }
+
+    /** Makes room for that many, of which nothing is known. */
+    void reserve(int items) {
+        if (this.items.length < items) {
+            this.items = new int[items + items / 4];
+            sensed = new Seen[this.items.length];
+        }
+        count = items;
+        sensedIn = SensedWorld.BEFORE_ALL;
     }
 
     /** Whether item and body together can have gone no further than the margin. */

@@ -81,13 +81,14 @@ class ObservatoryTest {
         assertThat(items.get(2).get("symbols").has("on")).isFalse();
     }
 
-    /** Things drift, each its way, and at times one jumps, comes or goes. */
+    /** Things drift, each its way, or all rest; and at times one jumps, turns, comes or goes. */
     @Test
     void whatIsSensedDoesNotDependOnWhatWasAroundInEarlierFrames() {
         long seed = Seed.of("what drifts");
         var random = new Random(seed);
         var sensors = List.of(Sensor.sight("eyes", 4), Sensor.touch("skin").withRange(0.5),
-                Sensor.sight("far", 8).withFieldOfView(2));
+                Sensor.sight("far", 8).withFieldOfView(2),
+                Sensor.sight("sharp", 3).withLineOfSight());
         int changes = 0;
         try (var arena = new OffHeapArena()) {
             World world = new World("test", WorldPrototype.standard("si-f64"), arena);
@@ -124,6 +125,29 @@ class ObservatoryTest {
         assertThat(changes).isGreaterThan(30);
     }
 
+    @Test
+    void aBallThatOnlyTurnsIsSensedAsItIsTurned() {
+        try (var arena = new OffHeapArena()) {
+            World world = new World("test", WorldPrototype.standard("si-f64"), arena);
+            Item eye = world.add(ItemDefinition.named("eye").sensor(Sensor.sight("s", 4)).build());
+            Item ball = world.add(ItemDefinition.named("ball").shape(Shape.sphere(1)).at(2, 0, 0)
+                    .build());
+            var senses = new Senses(eye.id(), eye.sensors());
+            var ring = new SnapshotRing(world, 2);
+            var observatory = new Observatory();
+            for (int frame = 1; frame <= 3; frame++) {
+                ball.physical().setOrientation(0, frame == 1 ? 0 : 1, 0, frame == 1 ? 1 : 0);
+                new BoundingBoxes().update(world);
+                ring.publish(frame, frame);
+                try (var snapshot = ring.acquireLatest().orElseThrow()) {
+                    assertThat(observatory.read(snapshot)).isTrue();
+                }
+                assertThat(senses.look(observatory).items().get(1).place())
+                        .containsExactly(2, 0, 0, 0, frame == 1 ? 0 : 1, 0, frame == 1 ? 1 : 0);
+            }
+        }
+    }
+
     private static ItemDefinition thing(Random random, String name) {
         return ItemDefinition.named(name).shape(Shape.box(0.5, 1, random.nextDouble(0.1, 2)))
                 .at(random.nextDouble(-8, 8), random.nextDouble(-8, 8), random.nextDouble(-8, 8))
@@ -145,6 +169,9 @@ class ObservatoryTest {
             case 1 -> world.remove(world.find("thing-" + (149 - frame)).orElseThrow().id());
             case 2 -> world.find("thing-20").orElseThrow().physical()
                     .setLocation(random.nextBoolean() ? 1e30 : random.nextDouble(-8, 8), 0, 0);
+            case 3, 4, 5, 6 -> world.find("thing-" + random.nextInt(10)).orElseThrow().physical()
+                    .setOrientation(random.nextGaussian(), random.nextGaussian(),
+                            random.nextGaussian(), 1);
             default -> { }
         }
     }
