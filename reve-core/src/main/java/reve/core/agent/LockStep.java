@@ -23,6 +23,8 @@ final class LockStep implements FrameGate {
 
     /** Never changed, only replaced, with this held. */
     private volatile Turn[] turns = NOBODY;
+    /** The place of one who was found missing: asked first, so that each is asked once a frame. */
+    private volatile int missing;
     /** How many wait to be let into the world, which takes a frame. */
     private final AtomicInteger coming = new AtomicInteger();
     /** The frame that is held, {@link #NO_FRAME} if none is. */
@@ -109,8 +111,12 @@ final class LockStep implements FrameGate {
     }
 
     private boolean isAnybodyAwaited(long frame) {
-        for (Turn turn : turns) {
-            if (turn.isAwaited(frame - 1)) {
+        Turn[] all = turns;
+        int first = missing;
+        for (int i = 0; i < all.length; i++) {
+            int place = (first + i) % all.length;
+            if (all[place].isAwaited(frame - 1)) {
+                missing = place;
                 return true;
             }
         }
