@@ -44,8 +44,6 @@ final class Audience {
     private long[] keys = {};
     private final Found found = new Found();
 
-    private final Set<Session> mayHear = new HashSet<>();
-
     private static final class Showing {
         private List<Seen> newest = List.of();
         /** Those of whose items the member counts as a viewer. */
@@ -137,13 +135,12 @@ final class Audience {
         return withoutSensors;
     }
 
-    /** Those with sensors who may hear of an event; valid until the next call. */
+    /** Those with sensors who may hear of an event. */
     Collection<Session> of(Mentions mentions, Observatory world) {
         if (mentions.items().isEmpty()) {
             return withSensors;
         }
-        mayHear.clear();
-        mayHear.addAll(reachingAll);
+        var mayHear = new HashSet<>(reachingAll);
         for (Mention mention : mentions.items()) {
             if (mention.id().isEmpty()) {
                 return withSensors; // only its name is left to know it by
