@@ -130,15 +130,19 @@ final class FrameReader {
     }
 
     private @Nullable ByteBuffer line() {
-        for (; searched < end; searched++) {
-            if (buffer.get(searched) == '\n') {
-                ByteBuffer line = buffer.slice(start, searched - start);
-                searched++;
-                start = searched;
-                return line;
-            }
+        byte[] bytes = buffer.array();
+        int at = searched;
+        while (at < end && bytes[at] != '\n') {
+            at++;
         }
-        return null;
+        searched = at;
+        if (at == end) {
+            return null;
+        }
+        ByteBuffer line = buffer.slice(start, at - start);
+        searched++;
+        start = searched;
+        return line;
     }
 
     private @Nullable ByteBuffer packed() throws Ending {

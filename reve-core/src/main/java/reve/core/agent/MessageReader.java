@@ -10,6 +10,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.OptionalLong;
+import java.util.Set;
 import org.jspecify.annotations.Nullable;
 import tools.jackson.core.JacksonException;
 import tools.jackson.databind.JsonNode;
@@ -79,14 +80,17 @@ final class MessageReader {
     private static void requireSound(JsonNode node) throws BadMessage {
         if (node.isString()) {
             requireSound(node.stringValue());
-        } else if (node.isNumber() && !Double.isFinite(node.asDouble(Double.NaN))) {
-            throw badJson("a number is beyond the range of 64-bit floats");
-        }
-        for (Map.Entry<String, JsonNode> property : node.properties()) {
-            requireSound(property.getKey());
-        }
-        for (JsonNode child : node.values()) {
-            requireSound(child);
+        } else if (node.isNumber()) {
+            if (!Double.isFinite(node.asDouble(Double.NaN))) {
+                throw badJson("a number is beyond the range of 64-bit floats");
+            }
+        } else if (node.isContainer()) {
+            for (Map.Entry<String, JsonNode> property : node.properties()) {
+                requireSound(property.getKey());
+            }
+            for (JsonNode child : node.values()) {
+                requireSound(child);
+            }
         }
     }
 
@@ -253,7 +257,7 @@ final class MessageReader {
 
         Map<String, Double> parameters() throws BadMessage {
             var parameters = new LinkedHashMap<String, Double>();
-            for (Map.Entry<String, JsonNode> parameter : object("parameters").entrySet()) {
+            for (Map.Entry<String, JsonNode> parameter : object("parameters")) {
                 parameters.put(parameter.getKey(),
                         number("parameters", parameter.getKey(), parameter.getValue()));
             }
@@ -309,25 +313,23 @@ final class MessageReader {
 
         Map<String, Object> arguments() throws BadMessage {
             var arguments = new LinkedHashMap<String, Object>();
-            for (Map.Entry<String, JsonNode> argument : object("arguments").entrySet()) {
+            for (Map.Entry<String, JsonNode> argument : object("arguments")) {
                 arguments.put(argument.getKey(),
                         value("arguments", argument.getKey(), argument.getValue()));
             }
             return arguments;
         }
 
-        private Map<String, JsonNode> object(String name) throws BadMessage {
+        private Set<Map.Entry<String, JsonNode>> object(String name) throws BadMessage {
             JsonNode field = find(name);
             if (field == null) {
-                return Map.of();
+                return Set.of();
             }
             if (!field.isObject()) {
                 throw bad(id, name, "is " + show(field),
                         "expected an object of values by parameter name");
             }
-            var values = new LinkedHashMap<String, JsonNode>();
-            field.properties().forEach(entry -> values.put(entry.getKey(), entry.getValue()));
-            return values;
+            return field.properties();
         }
 
         private Object value(String in, String name, JsonNode value) throws BadMessage {
@@ -358,13 +360,10 @@ final class MessageReader {
 
         private long integer(long answerTo, String name, long min, long max) throws BadMessage {
             JsonNode field = find(name);
-            String expected = "expected an integer from " + min + " to " + max;
-            if (field == null) {
-                throw bad(answerTo, name, "is missing", expected);
-            }
-            double value = field.isNumber() ? field.asDouble() : Double.NaN;
+            double value = field != null && field.isNumber() ? field.asDouble() : Double.NaN;
             if (!(value >= min && value <= max && value == Math.rint(value))) {
-                throw bad(answerTo, name, "is " + show(field), expected);
+                throw bad(answerTo, name, field == null ? "is missing" : "is " + show(field),
+                        "expected an integer from " + min + " to " + max);
             }
             return (long) value;
         }
