@@ -62,10 +62,10 @@ final class SensedWorld {
     /** Takes the bodies as they are now. */
     void load(TableView bodies) {
         reserve(bodies.rowCount());
-        read(bodies.column("position"), position, 3 * rows);
-        read(bodies.column("orientation"), orientation, 4 * rows);
-        read(bodies.column("boundsMin"), low, 3 * rows);
-        read(bodies.column("boundsMax"), high, 3 * rows);
+        read(bodies.column("position"), position, 0, 3 * rows);
+        read(bodies.column("orientation"), orientation, 0, 4 * rows);
+        read(bodies.column("boundsMin"), low, 0, 3 * rows);
+        read(bodies.column("boundsMax"), high, 0, 3 * rows);
         MemorySegment.copy(bodies.column("shape").segment(), ValueLayout.JAVA_INT, 0,
                 shape, 0, rows);
     }
@@ -148,26 +148,24 @@ final class SensedWorld {
     /** Takes only two of the bodies, which is enough for sensors that need no line of sight. */
     void load(TableView bodies, int a, int b) {
         reserve(bodies.rowCount());
-        for (int row : new int[] {a, b}) {
-            readRow(bodies.column("position"), position, row);
-            readRow(bodies.column("orientation"), orientation, row);
-            readRow(bodies.column("boundsMin"), low, row);
-            readRow(bodies.column("boundsMax"), high, row);
-        }
+        readRows(bodies.column("position"), position, a, b);
+        readRows(bodies.column("orientation"), orientation, a, b);
+        readRows(bodies.column("boundsMin"), low, a, b);
+        readRows(bodies.column("boundsMax"), high, a, b);
     }
 
-    private static void readRow(ColumnView column, double[] into, int row) {
-        for (int i = 0; i < column.components(); i++) {
-            into[row * column.components() + i] = column.getDouble(row, i);
-        }
+    private static void readRows(ColumnView column, double[] into, int a, int b) {
+        read(column, into, column.components() * a, column.components());
+        read(column, into, column.components() * b, column.components());
     }
 
-    private static void read(ColumnView column, double[] into, int count) {
+    private static void read(ColumnView column, double[] into, int first, int count) {
         if (column.type() == ScalarType.F64) {
-            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE, 0, into, 0, count);
+            MemorySegment.copy(column.segment(), ValueLayout.JAVA_DOUBLE,
+                    (long) Double.BYTES * first, into, first, count);
             return;
         }
-        for (int i = 0; i < count; i++) {
+        for (int i = first; i < first + count; i++) {
             into[i] = column.getDouble(i / column.components(), i % column.components());
         }
     }
