@@ -16,9 +16,7 @@ import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
-import java.util.Queue;
 import java.util.Set;
-import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 import java.util.stream.Stream;
@@ -55,8 +53,7 @@ public final class AgentServer implements AutoCloseable {
     /** The event loop's own. */
     private final Set<Connection> connections = new HashSet<>();
     private final Strangers strangers;
-    private final TlsWire.Scratch tlsScratch = new TlsWire.Scratch();
-    private final Queue<Connection> toWrite = new ConcurrentLinkedQueue<>();
+    private final Writers writers = new Writers(Runtime.getRuntime().availableProcessors());
     /** They have sent all that they may. The event loop's own. */
     private List<Connection> throttled = new ArrayList<>();
     private long readThrottledNanos = System.nanoTime();
@@ -77,6 +74,7 @@ public final class AgentServer implements AutoCloseable {
         try {
             var server = new AgentServer(config, ports, listening, openAudit(config));
             server.loop.start();
+            server.writers.start();
             return server;
         } catch (IOException e) {
             closeQuietly(listening);
@@ -152,6 +150,7 @@ public final class AgentServer implements AutoCloseable {
             loop.stop();
             Thread.currentThread().interrupt();
         }
+        writers.stop();
         audit.ifPresent(AgentServer::closeQuietly);
     }
 
@@ -160,7 +159,7 @@ public final class AgentServer implements AutoCloseable {
 
         @Override
         public boolean isWaiting() {
-            return !toWrite.isEmpty() || hasNews();
+            return writers.isWaiting() || hasNews();
         }
 
         private boolean hasNews() {
@@ -180,10 +179,7 @@ public final class AgentServer implements AutoCloseable {
                     readThrottled();
                 }
             }
-            for (Connection connection = toWrite.poll(); connection != null;
-                    connection = toWrite.poll()) {
-                connection.writeIfWanted();
-            }
+            writers.writeAll();
             if (closed && connections.isEmpty()) {
                 loop.stop();
             }
@@ -224,9 +220,14 @@ public final class AgentServer implements AutoCloseable {
         loop.wake();
     }
 
+    /** What the event loop writes with. */
+    Pen pen() {
+        return writers.pen();
+    }
+
     /** Has what waits for a client written in this turn. */
     void writeSoon(Connection connection) {
-        toWrite.add(connection);
+        writers.add(connection);
         loop.wake();
     }
 
@@ -451,7 +452,7 @@ public final class AgentServer implements AutoCloseable {
 
     private Wire wire(SocketChannel channel) {
         return config.security().tls().isEmpty() ? Wire.of(channel)
-                : new TlsWire(channel, config.security().tls().get().engine(), tlsScratch);
+                : new TlsWire(channel, config.security().tls().get().engine());
     }
 
     private Ending full() {

@@ -46,7 +46,8 @@ final class Connection implements EventLoop.Handler {
     private boolean shut;
     private int drained;
 
-    private final AtomicBoolean toWrite = new AtomicBoolean();
+    /** It waits to be written to, once. */
+    private final AtomicBoolean queued = new AtomicBoolean();
 
     /** Set once, with this held. */
     private volatile @Nullable Session session;
@@ -135,7 +136,7 @@ final class Connection implements EventLoop.Handler {
     }
 
     private void wantToWrite() {
-        if (!toWrite.getAndSet(true)) {
+        if (!queued.getAndSet(true)) {
             server.writeSoon(this);
         }
     }
@@ -145,7 +146,7 @@ final class Connection implements EventLoop.Handler {
     @Override
     public void ready(SelectionKey ready) {
         if (ready.isWritable()) {
-            write();
+            write(server.pen());
         }
         if (ready.isValid() && ready.isReadable()) {
             read();
@@ -276,7 +277,7 @@ final class Connection implements EventLoop.Handler {
             key.interestOpsAnd(~SelectionKey.OP_READ); // until all is written
             return;
         }
-        int count = wire.read(server.loop().writeBuffer());
+        int count = wire.read(server.pen().buffer());
         drained += count;
         if (count < 0 || drained > MAX_DRAINED_BYTES) {
             close();
@@ -290,7 +291,7 @@ final class Connection implements EventLoop.Handler {
     private void fail(Throwable error) {
         server.log().error("serving a connection failed", error);
         if (hasEnded()) {
-            close();
+            closeSoon();
         } else {
             end(Ending.regular("failed", "the server has an error; its log says more"));
         }
@@ -393,69 +394,71 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
-    // ---- writing ----
+    // ---- writing: the event loop's thread, or another while that waits for it ----
 
-    /** Writes what has come since the last time. */
-    void writeIfWanted() {
-        if (toWrite.get()) {
-            write();
-        }
+    /** Writes what it was queued for with {@link AgentServer#writeSoon}. */
+    void writeQueued(Pen pen) {
+        queued.set(false);
+        write(pen);
     }
 
     /** Writes what waits, as far as the socket takes it. */
-    void write() {
-        toWrite.set(false);
+    void write(Pen pen) {
         try {
-            if (wire.isOpen() && !shut && writeAll() && outbox.isDone()) {
+            if (wire.isOpen() && !shut && writeAll(pen) && outbox.isDone()) {
                 shut();
             }
         } catch (IOException e) {
-            close();
+            closeSoon();
         } catch (Throwable e) { // such as a record that cannot be kept of what it is told
             fail(e);
             sayBye();
         }
     }
 
+    private void closeSoon() {
+        server.loop().later(this::close);
+    }
+
     /** Says nothing any more of what waits, but why; not even that in the middle of a message. */
     private void sayBye() {
         Ending why = ending;
         if (why == null || isStuck() || !wire.isOpen()) {
-            close();
+            closeSoon();
             return;
         }
         try {
             wire.write(ByteBuffer.wrap(why.bye().in(encoding)));
             shut();
         } catch (IOException e) {
-            close();
+            closeSoon();
         }
     }
 
-    private boolean writeAll() throws IOException {
+    private boolean writeAll(Pen pen) throws IOException {
         while (writeUnsent()) {
-            Bytes out = server.loop().outgoing();
+            Bytes out = pen.bytes();
             Outbox.Waiting next = outbox.poll();
             while (next != null) {
-                append(next, out);
-                next = out.size() < EventLoop.WRITE_BUFFER_BYTES ? outbox.poll() : null;
+                append(next, out, pen.difference());
+                next = out.size() < Pen.BUFFER_BYTES ? outbox.poll() : null;
             }
             if (out.size() == 0) {
                 return true;
             }
-            send(out);
+            send(out, pen.buffer());
         }
         return false;
     }
 
-    private void append(Outbox.Waiting next, Bytes out) {
+    private void append(Outbox.Waiting next, Bytes out, Difference difference) {
         int start = out.size();
         Session client = session;
         switch (next) {
             case Outbox.Message message -> out.put(message.bytes());
             case Outbox.Perception seen ->
                     Objects.requireNonNull(client).world().publisher().telling()
-                            .write(out, encoding, seen.id(), seen.view(), seen.before());
+                            .write(out, difference, encoding, seen);
         }
         if (client != null) {
             server.audit().ifPresent(audit ->
@@ -463,10 +466,9 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
-    private void send(Bytes out) throws IOException {
+    private void send(Bytes out, ByteBuffer piece) throws IOException {
         for (int sent = 0; sent < out.size() && !isStuck();) {
-            ByteBuffer piece = server.loop().writeBuffer();
-            out.get(sent, piece);
+            out.get(sent, piece.clear());
             wire.write(piece.flip());
             sent += piece.position();
             if (piece.hasRemaining() || wire.hasUnsent()) {

@@ -1,22 +1,22 @@
 package reve.core.agent;
 
-import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.SortedSet;
+import java.util.concurrent.ConcurrentHashMap;
 import reve.core.world.Action;
 import reve.core.world.ItemSymbols;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 
-/** One version of what is symbolic about an item, as messages hold it. The event loop's thread. */
+/** One version of what is symbolic about an item, as messages hold it. */
 final class EncodedItem {
 
     private final ItemSymbols source;
     private final Fragment actions;
-    private final Map<Optional<SortedSet<String>>, Fragment> symbols = new HashMap<>();
+    private final Map<Optional<SortedSet<String>>, Fragment> symbols = new ConcurrentHashMap<>();
 
     EncodedItem(ItemSymbols source) {
         this.source = source;

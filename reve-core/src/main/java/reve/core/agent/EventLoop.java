@@ -1,7 +1,6 @@
 package reve.core.agent;
 
 import java.io.IOException;
-import java.nio.ByteBuffer;
 import java.nio.channels.SelectableChannel;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.Selector;
@@ -19,9 +18,6 @@ import reve.core.frame.FrameClock;
  * for a client.
  */
 final class EventLoop implements LockStep.Waiting {
-
-    /** So much is handed to a socket at once. */
-    static final int WRITE_BUFFER_BYTES = 64 * 1024;
 
     private static final long NAP_NANOS = 5_000_000;
     /**
@@ -57,8 +53,6 @@ final class EventLoop implements LockStep.Waiting {
     /** Held by the thread that works. */
     private final ReentrantLock duty = new ReentrantLock();
     private final Queue<Runnable> tasks = new ConcurrentLinkedQueue<>();
-    private final ByteBuffer writeBuffer = ByteBuffer.allocateDirect(WRITE_BUFFER_BYTES);
-    private final Bytes outgoing = new Bytes();
     private long checkedNanos = System.nanoTime();
     /** What was waited for last was there within {@link #AWAKE_NANOS}. */
     private boolean quick;
@@ -121,16 +115,6 @@ final class EventLoop implements LockStep.Waiting {
             throws IOException {
         channel.configureBlocking(false);
         return channel.register(selector, operations, handler);
-    }
-
-    /** For use in one turn. */
-    ByteBuffer writeBuffer() {
-        return writeBuffer.clear();
-    }
-
-    /** Where what goes to one client is put together; for use in one turn. */
-    Bytes outgoing() {
-        return outgoing.clear();
     }
 
     /**

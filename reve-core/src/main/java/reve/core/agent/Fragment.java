@@ -3,12 +3,15 @@ package reve.core.agent;
 import java.util.function.Consumer;
 import org.jspecify.annotations.Nullable;
 
-/** A value that is encoded once, when first needed, for all messages that hold it. One thread. */
+/**
+ * A value that is encoded when first needed, for all messages that hold it. Threads that need it at
+ * the same time encode the same bytes.
+ */
 final class Fragment {
 
     private final Consumer<MessageWriter> content;
-    private byte @Nullable [] json;
-    private byte @Nullable [] packed;
+    private volatile byte @Nullable [] json;
+    private volatile byte @Nullable [] packed;
 
     Fragment(Consumer<MessageWriter> content) {
         this.content = content;

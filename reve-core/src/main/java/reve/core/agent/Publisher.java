@@ -245,7 +245,6 @@ final class Publisher {
                             : Optional.of(look(member)))) {
                 return; // overwritten while we read: the next frame is here already
             }
-            member.write(); // it works while others are served
         }
     }
 }

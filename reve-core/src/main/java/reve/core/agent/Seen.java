@@ -9,8 +9,8 @@ import reve.core.world.Sensor.Aspect;
 
 /**
  * What is perceived of one item in one frame. What did not change since the frame before is the
- * same object as there, and what is told of it is encoded once for all who perceive the same. Event
- * loop's thread.
+ * same object as there, and what is told of it is encoded once for all who perceive the same.
+ * Threads that tell it at the same time may each encode it, and tell the same.
  */
 final class Seen {
 
@@ -21,8 +21,10 @@ final class Seen {
     private final Shown shown;
     private final Map<String, List<String>> relations;
     private @Nullable Fragment whole;
-    private @Nullable Seen changedFrom;
-    private @Nullable Fragment change;
+    private @Nullable Change change;
+
+    /** What was told of it to who was told another one before. Never changed, so in one piece. */
+    private record Change(Seen from, Fragment told) {}
 
     /**
      * @param place location (3) [m] and orientation (4), null for what has no place; never changed
@@ -87,15 +89,13 @@ final class Seen {
 
     /** Its name and what is different from what was told before. */
     Fragment changeFrom(Seen before) {
-        Fragment known = change;
-        if (known == null || changedFrom != before) {
-            known = new Fragment(writer -> writeChange(writer, before));
+        Change known = change;
+        if (known == null || known.from != before) {
+            known = new Change(before, new Fragment(writer -> writeChange(writer, before)));
             change = known;
-            changedFrom = before;
             before.change = null; // or each would keep all that were before it
-            before.changedFrom = null;
         }
-        return known;
+        return known.told;
     }
 
     private boolean isMoved(Seen before, int first, int count) {

@@ -511,14 +511,6 @@ final class Session {
         return body;
     }
 
-    /** Writes what waits for the client, as far as its socket takes it. Event loop's thread. */
-    void write() {
-        Connection now = connection;
-        if (now != null) {
-            now.writeIfWanted();
-        }
-    }
-
     private void send(ServerMessage message) {
         Connection now = connection;
         if (now != null) {
@@ -553,7 +545,7 @@ final class Session {
         if (now == null || now.outbox().offer(line, frame)) {
             return true;
         }
-        now.write();
+        now.write(server.pen());
         return now.outbox().offer(line, frame);
     }
 }

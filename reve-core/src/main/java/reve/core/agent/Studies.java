@@ -52,7 +52,8 @@ final class Studies {
                 observatory.read(snapshot);
                 var out = new Bytes();
                 View all = observatory.everything();
-                new Telling().write(out, session.encoding(), fork.id(), all, null);
+                new Telling().write(out, new Difference(), session.encoding(),
+                        new Outbox.Perception(fork.id(), all, null));
                 line.set(out.toArray());
             });
             if (!session.answer(fork, line.get())) {

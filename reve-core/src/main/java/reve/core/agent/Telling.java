@@ -6,41 +6,45 @@ import java.util.List;
 import java.util.Map;
 import org.jspecify.annotations.Nullable;
 
-/**
- * Writes perceptions; what several agents are told alike of a frame is encoded once. One thread.
- */
+/** Writes perceptions; what several agents are told alike of a frame is encoded once. */
 final class Telling {
 
-    private final Difference difference = new Difference();
+    /** Guarded by this. */
     private final Map<View, Map<Encoding, Fields>> told = new IdentityHashMap<>();
     private @Nullable View shared;
 
     /** The fields of a perception behind its {@code t} and {@code id}. */
     private record Fields(int count, byte[] bytes) {}
 
-    /** A frame begins. @param everything what all agents without sensors perceive */
-    void begin(View everything) {
+    /**
+     * A frame begins; nobody writes.
+     *
+     * @param everything what all agents without sensors perceive
+     */
+    synchronized void begin(View everything) {
         told.clear();
         shared = everything;
     }
 
     /**
-     * Appends a perception as it goes over the wire.
+     * Appends a perception as it goes over the wire. Several threads may at the same time.
      *
-     * @param before what its reader was told last, if this is to tell the difference
+     * @param difference used for this
      */
-    void write(Bytes out, Encoding encoding, long id, View view, @Nullable View before) {
+    void write(Bytes out, Difference difference, Encoding encoding, Outbox.Perception perception) {
+        View view = perception.view();
+        View before = perception.before();
         int start = out.size();
         if (view == shared) {
-            Fields fields = sharedFields(encoding, view, before);
-            encoding.begin(out, "perception", id, fields.count);
+            Fields fields = sharedFields(difference, encoding, view, before);
+            encoding.begin(out, "perception", perception.id(), fields.count);
             out.put(fields.bytes);
         } else if (before == null) {
-            writeWhole(encoding.begin(out, "perception", id, 3), view);
+            writeWhole(encoding.begin(out, "perception", perception.id(), 3), view);
         } else {
             difference.find(before.items(), view.items());
-            writeDifference(encoding.begin(out, "perception", id, 3 + difference.lists()),
-                    view, before);
+            writeDifference(encoding.begin(out, "perception", perception.id(),
+                    3 + difference.lists()), difference, view, before);
         }
         encoding.end(out, start);
     }
@@ -48,13 +52,16 @@ final class Telling {
     /**
      * The whole of the shared view is kept under the view itself, a difference under what it is to.
      */
-    private Fields sharedFields(Encoding encoding, View view, @Nullable View before) {
+    private synchronized Fields sharedFields(Difference difference, Encoding encoding, View view,
+            @Nullable View before) {
         return told.computeIfAbsent(before == null ? view : before,
                 unknown -> new EnumMap<>(Encoding.class))
-                .computeIfAbsent(encoding, unknown -> fields(encoding, view, before));
+                .computeIfAbsent(encoding,
+                        unknown -> fields(difference, encoding, view, before));
     }
 
-    private Fields fields(Encoding encoding, View view, @Nullable View before) {
+    private static Fields fields(Difference difference, Encoding encoding, View view,
+            @Nullable View before) {
         var out = new Bytes();
         MessageWriter writer = encoding.fields(out);
         if (before == null) {
@@ -62,7 +69,7 @@ final class Telling {
             return new Fields(3, out.toArray());
         }
         difference.find(before.items(), view.items());
-        writeDifference(writer, view, before);
+        writeDifference(writer, difference, view, before);
         return new Fields(3 + difference.lists(), out.toArray());
     }
 
@@ -77,7 +84,8 @@ final class Telling {
         writer.endList();
     }
 
-    private void writeDifference(MessageWriter writer, View view, View before) {
+    private static void writeDifference(MessageWriter writer, Difference difference, View view,
+            View before) {
         writeTime(writer, view);
         writer.key("since");
         writer.integer(before.frame());

@@ -19,13 +19,14 @@ final class TlsWire implements Wire {
     static final int HANDSHAKE = 0x16;
 
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
+    /** Of the few threads that work for all connections. */
+    private static final ThreadLocal<Scratch> SCRATCH = ThreadLocal.withInitial(Scratch::new);
     /** More than the 16 KiB and their frame that TLS allows. */
-        private static final int RECORD_BYTES = 18 * 1024;
+    private static final int RECORD_BYTES = 18 * 1024;
 
     private final SocketChannel channel;
     private final Plain plain;
     private final SSLEngine engine;
-    private final Scratch scratch;
 
     // Set when it is registered.
     private @Nullable EventLoop loop;
@@ -42,8 +43,8 @@ final class TlsWire implements Wire {
     private boolean computing;
     private boolean bypassed;
 
-    /** Buffers for use in one call, shared by all connections of an event loop. */
-    static final class Scratch {
+    /** Buffers for use in one call, shared by all connections. */
+    private static final class Scratch {
         private final ByteBuffer incoming = ByteBuffer.allocate(2 * RECORD_BYTES);
         private final ByteBuffer received = ByteBuffer.allocate(2 * RECORD_BYTES);
         private final ByteBuffer outgoing = ByteBuffer.allocate(RECORD_BYTES);
@@ -54,11 +55,10 @@ final class TlsWire implements Wire {
         private static final long serialVersionUID = 1;
     }
 
-    TlsWire(SocketChannel channel, SSLEngine engine, Scratch scratch) {
+    TlsWire(SocketChannel channel, SSLEngine engine) {
         this.channel = channel;
         this.plain = new Plain(channel);
         this.engine = engine;
-        this.scratch = scratch;
     }
 
     @Override
@@ -96,7 +96,7 @@ final class TlsWire implements Wire {
 
     /** Decrypts what has arrived. @return false if nothing more will come */
     private boolean decrypt() throws IOException {
-        ByteBuffer in = scratch.incoming.clear().put(incoming);
+        ByteBuffer in = SCRATCH.get().incoming.clear().put(incoming);
         incoming = NOTHING;
         boolean open = channel.read(in) >= 0;
         in.flip();
@@ -118,7 +118,7 @@ final class TlsWire implements Wire {
 
     /** @return false if the client has said that nothing more will come */
     private boolean unwrap(ByteBuffer in) throws IOException {
-        ByteBuffer out = scratch.received.clear();
+        ByteBuffer out = SCRATCH.get().received.clear();
         boolean open = true;
         boolean more = true;
         while (open && more && !computing) {
@@ -194,7 +194,7 @@ final class TlsWire implements Wire {
         if (!flush()) {
             return false;
         }
-        ByteBuffer out = scratch.outgoing.clear();
+        ByteBuffer out = SCRATCH.get().outgoing.clear();
         SSLEngineResult result = engine.wrap(bytes, out);
         shaken |= result.getHandshakeStatus() == HandshakeStatus.FINISHED;
         channel.write(out.flip());

@@ -1,10 +1,15 @@
 package reve.core.agent;
 
+import java.io.FileInputStream;
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
+import java.security.KeyStore;
+import java.security.cert.CertificateFactory;
 import java.util.ArrayList;
 import java.util.List;
+import javax.net.ssl.SSLContext;
+import javax.net.ssl.TrustManagerFactory;
 
 /**
  * A certificate for this machine that vouches for itself, made by the command that the
@@ -36,5 +41,20 @@ record Certificate(Path certificate, Path key) {
 
     ServerTls tls() throws IOException {
         return ServerTls.of(certificate, key);
+    }
+
+    /** Of a client that trusts it and no other. */
+    SSLContext trusting() throws Exception {
+        var store = KeyStore.getInstance("PKCS12");
+        store.load(null, null);
+        try (var in = new FileInputStream(certificate.toFile())) {
+            store.setCertificateEntry("server",
+                    CertificateFactory.getInstance("X.509").generateCertificate(in));
+        }
+        var trust = TrustManagerFactory.getInstance(TrustManagerFactory.getDefaultAlgorithm());
+        trust.init(store);
+        SSLContext context = SSLContext.getInstance("TLS");
+        context.init(null, trust.getTrustManagers(), null);
+        return context;
     }
 }

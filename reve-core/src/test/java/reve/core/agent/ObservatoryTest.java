@@ -47,7 +47,8 @@ class ObservatoryTest {
                 View view = relations
                         ? observatory.withRelations(all, snapshot).orElseThrow() : all;
                 var out = new Bytes();
-                new Telling().write(out, Encoding.JSON, ClientMessage.NO_ID, view, null);
+                new Telling().write(out, new Difference(), Encoding.JSON,
+                        new Outbox.Perception(ClientMessage.NO_ID, view, null));
                 return Json.MAPPER.readTree(new String(out.toArray(), StandardCharsets.UTF_8))
                         .get("items");
             }

@@ -3,7 +3,6 @@ package reve.core.agent;
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
 
-import java.io.FileInputStream;
 import java.io.IOException;
 import java.net.InetSocketAddress;
 import java.net.Socket;
@@ -11,8 +10,6 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.attribute.PosixFilePermissions;
-import java.security.KeyStore;
-import java.security.cert.CertificateFactory;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.Arrays;
@@ -22,7 +19,6 @@ import java.util.Random;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLSocket;
-import javax.net.ssl.TrustManagerFactory;
 import org.junit.jupiter.api.AfterAll;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeAll;
@@ -50,7 +46,7 @@ class TlsTest {
     @BeforeAll
     static void makeCertificates() throws Exception {
         server = Certificate.make(folder, "server");
-        trusting = trusting(server);
+        trusting = server.trusting();
     }
 
     @AfterAll
@@ -72,20 +68,6 @@ class TlsTest {
             throws IOException {
         return new AgentServerConfig(c.address(), c.limits(), c.timeouts(), c.audit(),
                 new AgentSecurity(Optional.empty(), Optional.of(certificate.tls())));
-    }
-
-    private static SSLContext trusting(Certificate certificate) throws Exception {
-        var store = KeyStore.getInstance("PKCS12");
-        store.load(null, null);
-        try (var in = new FileInputStream(certificate.certificate().toFile())) {
-            store.setCertificateEntry("server",
-                    CertificateFactory.getInstance("X.509").generateCertificate(in));
-        }
-        var trust = TrustManagerFactory.getInstance(TrustManagerFactory.getDefaultAlgorithm());
-        trust.init(store);
-        SSLContext context = SSLContext.getInstance("TLS");
-        context.init(null, trust.getTrustManagers(), null);
-        return context;
     }
 
     private static SSLSocket secure(SSLContext context, InetSocketAddress address)
@@ -156,7 +138,7 @@ class TlsTest {
 
     @Test
     void whoDoesNotTrustTheServerGoesAndNobodyElseNotices() throws Exception {
-        SSLContext another = trusting(Certificate.make(folder, "another"));
+        SSLContext another = Certificate.make(folder, "another").trusting();
         try (TestClient ada = join(room)) {
             try (SSLSocket mistrustful = secure(another, room.server.address())) {
                 assertThatThrownBy(mistrustful::startHandshake).isInstanceOf(SSLException.class);

@@ -1,0 +1,29 @@
+package reve.core.agent;
+
+import java.nio.ByteBuffer;
+
+/** What a thread that writes to clients puts their messages together with. One thread. */
+final class Pen {
+
+    /** So much is handed to a socket at once. */
+    static final int BUFFER_BYTES = 64 * 1024;
+
+    private final Bytes bytes = new Bytes();
+    private final ByteBuffer buffer = ByteBuffer.allocateDirect(BUFFER_BYTES);
+    private final Difference difference = new Difference();
+
+    /** Where what goes to one client is put together; empty. */
+    Bytes bytes() {
+        return bytes.clear();
+    }
+
+    /** What a socket takes from, or gives to; empty. */
+    ByteBuffer buffer() {
+        return buffer.clear();
+    }
+
+    /** Finds what is different in what one client is told. */
+    Difference difference() {
+        return difference;
+    }
+}

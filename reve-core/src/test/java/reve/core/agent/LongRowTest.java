@@ -1,0 +1,222 @@
+package reve.core.agent;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.BufferedInputStream;
+import java.io.DataInputStream;
+import java.io.IOException;
+import java.net.Socket;
+import java.nio.ByteBuffer;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.HashMap;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import javax.net.SocketFactory;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.file.AgentPolicy;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Sensor;
+import reve.core.world.Shape;
+import tools.jackson.databind.JsonNode;
+
+/** So many clients that two threads write to them: each is told as if it were the only one. */
+class LongRowTest {
+
+    private static final int AGENTS = 240;
+    private static final int OBSERVERS = 40;
+    private static final int THINGS = 12;
+    private static final int FRAMES = 48;
+
+    @TempDir
+    private static Path folder;
+
+    @Test
+    void everybodyIsToldWhereThingsAre() throws IOException {
+        toldWhereThingsAre(AgentRoom.CONFIG, SocketFactory.getDefault());
+    }
+
+    @Test
+    void everybodyIsToldWhereThingsAreOverTls() throws Exception {
+        Certificate certificate = Certificate.make(folder, "server");
+        AgentServerConfig c = AgentRoom.CONFIG;
+        var security = new AgentSecurity(Optional.empty(), Optional.of(certificate.tls()));
+        toldWhereThingsAre(new AgentServerConfig(c.address(), c.limits(), c.timeouts(), c.audit(),
+                security), certificate.trusting().getSocketFactory());
+    }
+
+    private static void toldWhereThingsAre(AgentServerConfig config, SocketFactory sockets)
+            throws IOException {
+        try (AgentRoom room = room(config)) {
+            List<Watcher> watchers = watchers(room, sockets);
+            for (int frame = 0; frame < FRAMES; frame++) {
+                move(room);
+                for (Watcher watcher : watchers) {
+                    watcher.perceive(room);
+                }
+            }
+            for (Watcher watcher : watchers) {
+                watcher.socket.close();
+            }
+        }
+    }
+
+    @Test
+    void whoIsGoneInTheMiddleOfARowIsLetGoAndTheOthersAreTold() throws IOException {
+        try (AgentRoom room = room(AgentRoom.CONFIG)) {
+            List<Watcher> watchers = watchers(room, SocketFactory.getDefault());
+            List<Watcher> staying = new ArrayList<>();
+            for (Watcher watcher : watchers) {
+                if (watcher.number % 2 == 0) {
+                    staying.add(watcher);
+                } else {
+                    watcher.socket.setSoLinger(true, 0); // its end is a reset
+                    watcher.socket.close();
+                }
+            }
+            for (int frame = 0; frame < FRAMES; frame++) {
+                move(room);
+                for (Watcher watcher : staying) {
+                    watcher.perceive(room);
+                }
+            }
+            room.stepUntil("only those who stay are left",
+                    () -> room.server.stats().open() == staying.size());
+            for (Watcher watcher : staying) {
+                watcher.socket.close();
+            }
+        }
+    }
+
+    private static AgentRoom room(AgentServerConfig config) throws IOException {
+        var bodies = new ArrayList<String>();
+        var items = new ArrayList<ItemDefinition>();
+        for (int i = 0; i < AGENTS; i++) {
+            bodies.add("agent-" + i);
+            items.add(ItemDefinition.named("agent-" + i).at(0, 100 * i, 0)
+                    .sensor(Sensor.sight("eyes", 1e6)).build());
+        }
+        for (int i = 0; i < THINGS; i++) {
+            items.add(ItemDefinition.named("thing-" + i).shape(Shape.sphere(0.5))
+                    .at(i, 0, 0).build());
+        }
+        return new AgentRoom(config, new AgentPolicy(bodies, Optional.empty()), 1024, items);
+    }
+
+    /** A frame in which each thing but the last is where nothing was before. */
+    private static void move(AgentRoom room) {
+        long next = room.loop.frame() + 1;
+        for (int i = 0; i < THINGS - 1; i++) {
+            room.item("thing-" + i).physical().setLocation(i, 0, next);
+        }
+        room.step();
+    }
+
+    private static List<Watcher> watchers(AgentRoom room, SocketFactory sockets)
+            throws IOException {
+        var watchers = new ArrayList<Watcher>();
+        for (int i = 0; i < AGENTS + OBSERVERS; i++) {
+            watchers.add(new Watcher(i, sockets.createSocket(room.server.address().getAddress(),
+                    room.server.address().getPort())));
+        }
+        room.stepUntil("all agents are there", () -> room.server.stats().agents() == AGENTS);
+        for (Watcher watcher : watchers) {
+            watcher.ask();
+        }
+        return watchers;
+    }
+
+    /** Perceives every frame, or every second or third; half of them in MessagePack. */
+    private static final class Watcher {
+
+        private final int number;
+        private final int every;
+        private final Encoding encoding;
+        private final Socket socket;
+        private final DataInputStream in;
+        private final Map<String, Double> places = new HashMap<>();
+        private long frame = -1;
+
+        Watcher(int number, Socket socket) throws IOException {
+            this.number = number;
+            this.every = 1 + number % 3;
+            this.encoding = number / 2 % 2 == 0 ? Encoding.JSON : Encoding.MESSAGEPACK;
+            this.socket = socket;
+            socket.setSoTimeout(20_000);
+            this.in = new DataInputStream(new BufferedInputStream(socket.getInputStream()));
+            var hello = new LinkedHashMap<String, Object>(Map.of("t", "hello", "protocol", 1,
+                    "name", "agent-" + number, "encoding", encoding.wireName()));
+            if (number >= AGENTS) {
+                hello.put("role", "observer");
+            }
+            say(hello, Encoding.JSON);
+        }
+
+        private void say(Map<String, Object> message, Encoding how) throws IOException {
+            var out = new Bytes();
+            byte[] body = how.value(writer -> writer.value(message));
+            if (how == Encoding.JSON) {
+                out.put(body).put('\n');
+            } else {
+                out.putInt(body.length).put(body);
+            }
+            socket.getOutputStream().write(out.toArray());
+        }
+
+        /** Asks for perceptions, and returns when the server has heard that. */
+        void ask() throws IOException {
+            while (!type(read()).equals("welcome")) {
+                // The events of others.
+            }
+            say(Map.of("t", "perceive", "every", every), encoding);
+            say(Map.of("t", "ping"), encoding);
+            while (!type(read()).equals("pong")) {
+                // Until now there was nothing to perceive.
+            }
+        }
+
+        /** Reads what the last frame brought; then it knows where everything is. */
+        void perceive(AgentRoom room) throws IOException {
+            while (frame + every <= room.loop.frame()) {
+                take(read());
+            }
+            for (int i = 0; i < THINGS; i++) {
+                assertThat(places.get("thing-" + i))
+                        .as("thing-%d as %d perceives it in frame %d", i, number, frame)
+                        .isEqualTo(i == THINGS - 1 ? 0.0 : (double) frame);
+            }
+        }
+
+        private void take(JsonNode message) {
+            if (type(message).equals("perception")) {
+                frame = message.get("frame").longValue();
+                for (String list : List.of("items", "entered", "changed")) {
+                    for (JsonNode item : message.path(list)) {
+                        places.put(item.get("name").stringValue(),
+                                item.get("location").get(2).doubleValue());
+                    }
+                }
+            }
+        }
+
+        private static String type(JsonNode message) {
+            return message.get("t").stringValue();
+        }
+
+        private JsonNode read() throws IOException {
+            if (encoding == Encoding.MESSAGEPACK) {
+                byte[] message = new byte[in.readInt()];
+                in.readFully(message);
+                return MessagePackReader.read(ByteBuffer.wrap(message));
+            }
+            var line = new Bytes();
+            for (int octet = in.readUnsignedByte(); octet != '\n'; octet = in.readUnsignedByte()) {
+                line.put(octet);
+            }
+            return Json.MAPPER.readTree(line.toArray());
+        }
+    }
+}
