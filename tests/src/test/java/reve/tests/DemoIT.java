@@ -2,6 +2,7 @@ package reve.tests;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import java.nio.file.Files;
 import java.nio.file.Path;
 import javax.imageio.ImageIO;
 import org.junit.jupiter.api.Test;
@@ -37,8 +38,18 @@ class DemoIT {
         for (int i = 0; i < 2; i++) {
             Path file = Path.of(demo.at("/pictures/" + i + "/file").asString());
             assertThat(ImageIO.read(file.toFile()).getWidth()).isEqualTo(960);
-            pictures[i] = java.nio.file.Files.readAllBytes(file);
+            pictures[i] = Files.readAllBytes(file);
         }
         assertThat(pictures[0]).isNotEqualTo(pictures[1]);
+    }
+
+    @Test
+    void aPictureThatFailsEndsItWithTheReason() throws Exception {
+        Path inTheWay = Files.createDirectory(folder.resolve("spring-orbit-000120.png"));
+
+        Outcome outcome = Reve.run("demo", "--out", folder.toString());
+
+        assertThat(outcome.code()).isEqualTo(1);
+        assertThat(outcome.err()).contains("snapshot failed", inTheWay.toString());
     }
 }

@@ -64,6 +64,16 @@ class DiskFaultIT {
     }
 
     @Test
+    void aRunWhoseRecordingDoesNotFitOnTheDiskFails() throws Exception {
+        Path recording = folder.resolve("run.log");
+        Outcome outcome = Reve.run(limited(Reve.command("run", WORLD, "--seconds", "310",
+                "--record", recording.toString())));
+        assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
+        assertThat(outcome.err()).contains("reve: recording: " + recording, "File too large");
+        assertThat(outcome.out()).contains("state hash");
+    }
+
+    @Test
     void aStoreThatIsRemovedIsMadeAnew() throws Exception {
         JsonNode end;
         try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
@@ -120,12 +130,18 @@ class DiskFaultIT {
         assertThat(outcome.err()).contains(file.toString(), reason).doesNotContain("\tat ");
     }
 
+    /** A command for which the disk is full as soon as a file is as large as the limit. */
+    private static List<String> limited(List<String> command) {
+        List<String> limited = new ArrayList<>(List.of("bash", "-c",
+                "ulimit -f " + LIMIT + " && exec \"$@\"", "bash"));
+        limited.addAll(command);
+        return limited;
+    }
+
     /** A server for which the disk is full as soon as a file is as large as the limit. */
     private Server limited(String... options) throws IOException {
-        List<String> command = new ArrayList<>(List.of("bash", "-c",
-                "ulimit -f " + LIMIT + " && exec \"$@\"", "bash"));
-        command.addAll(Reve.command("serve", WORLD, "--port", "0", "--json", "--fast",
-                "--store", store.toString()));
+        List<String> command = limited(Reve.command("serve", WORLD, "--port", "0", "--json",
+                "--fast", "--store", store.toString()));
         command.addAll(List.of(options));
         Path errors = folder.resolve("server.err");
         Process process = new ProcessBuilder(command).redirectError(errors.toFile()).start();

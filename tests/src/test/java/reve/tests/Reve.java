@@ -32,7 +32,8 @@ final class Reve {
         return run(command);
     }
 
-    private static Outcome run(List<String> command) throws IOException, InterruptedException {
+    /** Runs a command line to its end. */
+    static Outcome run(List<String> command) throws IOException, InterruptedException {
         Process process = new ProcessBuilder(command).start();
         process.getOutputStream().close();
         var err = new StringBuilder();

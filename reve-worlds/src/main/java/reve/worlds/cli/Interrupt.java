@@ -24,6 +24,9 @@ final class Interrupt implements AutoCloseable {
         stop.run();
         try {
             if (!reported.await(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
+                System.err.println("reve: asked to stop " + PATIENCE_SECONDS
+                        + " s ago and still busy, perhaps with a law that never returns; "
+                        + "ended without a report");
                 Runtime.getRuntime().halt(ExitCode.FAILURE);
             }
         } catch (InterruptedException impatient) {

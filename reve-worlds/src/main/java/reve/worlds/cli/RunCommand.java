@@ -55,6 +55,8 @@ public final class RunCommand implements Callable<Integer> {
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
 
+    private volatile boolean wholeRecording = true;
+
     @Override
     public Integer call() throws Exception {
         if (save.isPresent()) {
@@ -77,7 +79,7 @@ public final class RunCommand implements Callable<Integer> {
             } else {
                 print(report, simulation);
             }
-            return report.faults().isEmpty() ? ExitCode.OK : ExitCode.FAILURE;
+            return report.faults().isEmpty() && wholeRecording ? ExitCode.OK : ExitCode.FAILURE;
         }
     }
 
@@ -108,11 +110,17 @@ public final class RunCommand implements Callable<Integer> {
         }
         try (Journal _ = simulation.journal(world.folder(), Map.of(),
                 new Journal.Plan(0, pacing == Pacing.FAST), RunLog.create(record.get()),
-                problem -> spec.commandLine().getErr().println("reve: recording: " + problem))) {
+                this::tellRecording)) {
             return run(simulation, frames);
         } catch (IOError ended) {
             throw new IOException(ended.getCause().getMessage(), ended);
         }
+    }
+
+    /** Any thread. */
+    private void tellRecording(String problem) {
+        wholeRecording = false;
+        spec.commandLine().getErr().println("reve: recording: " + problem);
     }
 
     private static RunReport run(Simulation simulation, long frames) {

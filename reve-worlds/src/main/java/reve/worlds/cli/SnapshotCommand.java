@@ -54,11 +54,11 @@ public final class SnapshotCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        Path file = WritableFile.require(spec, "--out", out);
         if (!out.toString().toLowerCase(Locale.ROOT).endsWith(".png")) {
             throw new ParameterException(spec.commandLine(),
                     "--out " + out + ": pictures are PNG, expected a name that ends in .png");
         }
-        Path file = WritableFile.require(spec, "--out", out);
         WorldDescription description = world.load();
         long frames = Frames.of(spec, "--at", at, description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST);

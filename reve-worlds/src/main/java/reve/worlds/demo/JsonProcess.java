@@ -59,7 +59,10 @@ final class JsonProcess implements AutoCloseable {
         }
     }
 
-    /** The first line of this kind that is as wanted; waits for it until the process ends. */
+    /**
+     * The first line of this kind that is as wanted; waits for it until the process ends or tells
+     * that it failed.
+     */
     JsonNode await(String event, Predicate<JsonNode> wanted) throws InterruptedException {
         synchronized (lines) {
             for (int seen = 0; ; seen++) {
@@ -73,6 +76,10 @@ final class JsonProcess implements AutoCloseable {
                 JsonNode line = lines.get(seen);
                 if (line.path("event").asString("").equals(event) && wanted.test(line)) {
                     return line;
+                }
+                if (line.path("event").asString("").equals(event + "-failed")) {
+                    throw new IllegalStateException(name + ": " + event + " failed: "
+                            + line.path("message").asString());
                 }
             }
         }
