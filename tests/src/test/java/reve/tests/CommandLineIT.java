@@ -266,6 +266,9 @@ class CommandLineIT {
         assertRefused(text, text + " is no recording of this version of REVE");
         Path begun = Files.writeString(folder.resolve("begun.log"), "REVE run log 2\n");
         assertRefused(begun, begun + " ends before the first image of the world");
+        Outcome negative = Reve.run("replay", begun.toString(), "--until", "-1");
+        assertThat(negative.code()).isEqualTo(2);
+        assertThat(negative.err()).contains("--until is -1, expected a frame from 0 on");
     }
 
     private static void assertRefused(Path recording, String reason) throws Exception {

@@ -10,6 +10,7 @@ import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 import reve.core.frame.Pacing;
@@ -40,6 +41,10 @@ public final class ReplayCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        if (until < 0) {
+            throw new ParameterException(spec.commandLine(),
+                    "--until is " + until + ", expected a frame from 0 on");
+        }
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(file)) {
             while (records.hasNext() && take(replay, records.next())) {
