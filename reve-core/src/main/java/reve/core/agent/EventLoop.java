@@ -141,7 +141,8 @@ final class EventLoop implements LockStep.Waiting {
 
     private void run() {
         while (!stopped) {
-            if (taken || !duty.tryLock()) {
+            // Another thread that waits comes first, however late it gets a processor.
+            if (taken || duty.hasQueuedThreads() || !duty.tryLock()) {
                 taken = false;
                 LockSupport.parkNanos(NAP_NANOS);
                 continue;
