@@ -7,6 +7,7 @@ import java.io.DataInputStream;
 import java.io.EOFException;
 import java.io.IOException;
 import java.io.OutputStream;
+import java.net.ConnectException;
 import java.net.InetSocketAddress;
 import java.net.Socket;
 import java.net.SocketTimeoutException;
@@ -45,7 +46,7 @@ final class Wire implements Closeable {
         var socket = new Socket();
         try {
             int patience = Math.toIntExact(join.patience().toMillis());
-            socket.connect(resolved(address), patience);
+            connect(socket, address, patience);
             socket.setSoTimeout(patience);
             socket.setTcpNoDelay(true);
             var wire = new Wire(join.tls().isPresent()
@@ -61,6 +62,18 @@ final class Wire implements Closeable {
         } catch (IOException | RuntimeException e) {
             socket.close();
             throw e;
+        }
+    }
+
+    private static void connect(Socket socket, InetSocketAddress address, int patienceMillis)
+            throws IOException {
+        try {
+            socket.connect(resolved(address), patienceMillis);
+        } catch (ConnectException e) {
+            var named = new ConnectException(address.getHostString() + ":" + address.getPort()
+                    + ": " + e.getMessage() + "; does a server run there?");
+            named.initCause(e);
+            throw named;
         }
     }
 

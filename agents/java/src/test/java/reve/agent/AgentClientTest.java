@@ -3,6 +3,7 @@ package reve.agent;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import java.io.IOException;
+import java.net.ConnectException;
 import java.net.InetAddress;
 import java.net.ServerSocket;
 import java.time.Duration;
@@ -23,5 +24,17 @@ class AgentClientTest {
                     .withMessageContaining("silent for 0.05 s")
                     .extracting(AgentException::code).isEqualTo("no-answer");
         }
+    }
+
+    @Test
+    void whereNobodyListensTheErrorNamesTheAddress() throws IOException {
+        int free;
+        try (var socket = new ServerSocket(0, BACKLOG, InetAddress.getLoopbackAddress())) {
+            free = socket.getLocalPort();
+        }
+        assertThatExceptionOfType(ConnectException.class)
+                .isThrownBy(() -> AgentClient.connect("127.0.0.1", free, "ada").close())
+                .withMessage("127.0.0.1:" + free
+                        + ": Connection refused; does a server run there?");
     }
 }

@@ -2,7 +2,6 @@ package reve.worlds.cli;
 
 import java.io.IOException;
 import java.io.PrintWriter;
-import java.net.SocketException;
 import java.net.UnknownHostException;
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -108,9 +107,6 @@ public final class ControlCommand implements Callable<Integer> {
             return AgentClient.connect(host, port, join);
         } catch (UnknownHostException e) {
             throw new IOException("--host " + host + ": there is no such address", e);
-        } catch (SocketException e) {
-            throw new IOException(host + ":" + port + ": " + e.getMessage()
-                    + "; does a server run there?", e);
         }
     }
 
