@@ -1,6 +1,7 @@
 package reve.core.access;
 
 import java.util.List;
+import reve.core.rule.Bindings;
 import reve.core.rule.EvaluationException;
 import reve.core.rule.Expression;
 import reve.core.unit.Unit;
@@ -50,23 +51,31 @@ public sealed interface Operand {
     record Computed(Expression expression) implements Operand {
         @Override
         public double[] numbers(ActionCall call, int count, Unit unit) throws ActionRefused {
+            Bindings names = Names.of(expression, call);
+            call.world().activity().begin(new Evaluating("value", expression, call.target()));
             try {
-                double[] numbers = expression.numbers(Names.of(expression, call), count);
+                double[] numbers = expression.numbers(names, count);
                 for (int i = 0; i < numbers.length; i++) {
                     numbers[i] /= unit.scale();
                 }
                 return numbers;
             } catch (EvaluationException failed) {
                 throw new ActionRefused("no-value", failed.getMessage());
+            } finally {
+                call.world().activity().end();
             }
         }
 
         @Override
         public Object symbol(ActionCall call) throws ActionRefused {
+            Bindings names = Names.of(expression, call);
+            call.world().activity().begin(new Evaluating("value", expression, call.target()));
             try {
-                return expression.evaluate(Names.of(expression, call));
+                return expression.evaluate(names);
             } catch (EvaluationException failed) {
                 throw new ActionRefused("no-value", failed.getMessage());
+            } finally {
+                call.world().activity().end();
             }
         }
     }

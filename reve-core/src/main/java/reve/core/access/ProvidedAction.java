@@ -36,8 +36,7 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
         terms.require(this, call);
         Changes changes;
         try {
-            List<Effect> effects = List.copyOf(call.world().guard().inspect(
-                    "action " + provider.name(), () -> provider.decide(call)));
+            List<Effect> effects = decide(call);
             Changes.requireCompatible(name, effects);
             changes = Changes.prepare(call, effects);
         } catch (RuntimeException | LinkageError | StackOverflowError failed) {
@@ -45,5 +44,15 @@ public record ProvidedAction(String name, String doc, Terms terms, ActionProvide
                     failed);
         }
         changes.make();
+    }
+
+    private List<Effect> decide(ActionCall call) throws ActionRefused {
+        String what = "action " + provider.name();
+        call.world().activity().begin(what + " of " + call.target().name());
+        try {
+            return List.copyOf(call.world().guard().inspect(what, () -> provider.decide(call)));
+        } finally {
+            call.world().activity().end();
+        }
     }
 }

@@ -56,6 +56,7 @@ public record Terms(List<String> needs, List<Expression> conditions) {
 
     private static void require(Expression condition, ActionCall call) throws ActionRefused {
         Bindings names = Names.of(condition, call);
+        call.world().activity().begin(new Evaluating("condition", condition, call.target()));
         try {
             if (!condition.truth(names)) {
                 throw new ActionRefused("condition-failed", "`" + condition.text()
@@ -63,6 +64,8 @@ public record Terms(List<String> needs, List<Expression> conditions) {
             }
         } catch (EvaluationException failed) {
             throw new ActionRefused("condition-failed", failed.getMessage());
+        } finally {
+            call.world().activity().end();
         }
     }
 

@@ -8,6 +8,7 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicLongArray;
 import java.util.concurrent.locks.LockSupport;
 import org.jspecify.annotations.Nullable;
+import reve.core.world.Activity;
 import reve.core.world.World;
 
 /**
@@ -215,6 +216,11 @@ public final class FrameLoop {
     /** The world whose frames these are; its owner is the thread that makes them. */
     public World world() {
         return world;
+    }
+
+    /** What the world's thread does now. Any thread. */
+    public Activity activity() {
+        return world.activity();
     }
 
     /** Frames completed. Any thread. */

@@ -40,6 +40,8 @@ final class RuleKeeper {
     private long[] numbers = {};
     private @Nullable Object[] texts = {};
     private boolean told;
+    /** The item that the rule was evaluated for last. */
+    private @Nullable Item current;
 
     RuleKeeper(World world, Rule rule) {
         this.world = world;
@@ -85,6 +87,23 @@ final class RuleKeeper {
     }
 
     void update(long frame) {
+        world.activity().begin(this);
+        try {
+            updateRows(frame);
+        } finally {
+            world.activity().end();
+        }
+    }
+
+    /** The rule and the item that it is evaluated for; safe on any thread. */
+    @Override
+    public String toString() {
+        Item item = current;
+        return "rule " + rule.symbol() + (item == null ? "" : " of " + item.name()) + ": `"
+                + rule.expression() + "`";
+    }
+
+    private void updateRows(long frame) {
         int rows = rule.needsPhysics() ? table.physicsRowCount() : table.rowCount();
         makeRoom(rows);
         for (int row = 0; row < rows; row++) {
@@ -135,6 +154,7 @@ final class RuleKeeper {
     }
 
     private @Nullable Object evaluate(Item item, long frame) {
+        current = item;
         try {
             Object value = rule.expression().evaluate(bindings.of(item));
             return value instanceof Double number ? number / unit.scale() : value;

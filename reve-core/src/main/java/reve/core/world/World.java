@@ -23,6 +23,7 @@ public final class World {
     private final String name;
     private final WorldPrototype prototype;
     private final WorldGuard guard;
+    private final Activity activity = new Activity();
     private final Layout layout;
     private final Map<String, Table> tableByKind = new HashMap<>();
     private final List<Table> tables;
@@ -72,6 +73,11 @@ public final class World {
     /** Which thread owns the world, and what it may change now. */
     public WorldGuard guard() {
         return guard;
+    }
+
+    /** What the world's thread does now; any thread may ask. */
+    public Activity activity() {
+        return activity;
     }
 
     /**

@@ -1,0 +1,16 @@
+package reve.core.access;
+
+import reve.core.rule.Expression;
+import reve.core.world.Item;
+
+/**
+ * An expression of an action that the world's thread evaluates now.
+ *
+ * @param what the expression is for: {@code condition} or {@code value}
+ */
+record Evaluating(String what, Expression expression, Item target) {
+    @Override
+    public String toString() {
+        return what + " `" + expression + "` of an action of " + target.name();
+    }
+}
