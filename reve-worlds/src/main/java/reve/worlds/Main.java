@@ -49,14 +49,24 @@ import reve.worlds.cli.TokenCommand;
             "or the address takes tokens and TLS.",
         })
 public final class Main {
-    /** What the shell script of that name does by itself. */
+    private static final String CHECKOUT = "./reve";
+
+    /** The commands that the shell script of a checkout runs itself. */
     private static final List<String> LAUNCHER = List.of(
             "",
             "The launcher itself also knows:",
             "  build      Builds what changed and stops.",
             "  test       Builds, then runs every test of the project. With --sanitize:",
             "             the native tests only, under the address, undefined and thread",
-            "             sanitizers.");
+            "             sanitizers.",
+            "  install    Makes a folder that runs without this checkout.",
+            "  doctor     Says which shared libraries of the system are missing.");
+
+    /** The commands that the shell script of an installed folder runs itself. */
+    private static final List<String> INSTALLED = List.of(
+            "",
+            "The launcher itself also knows:",
+            "  doctor     Says which shared libraries of the system are missing.");
 
     private Main() {}
 
@@ -67,8 +77,11 @@ public final class Main {
     /** Runs one command line and returns its exit code; for tests. */
     public static int run(String... arguments) {
         CommandLine line = new CommandLine(new Main());
+        String name = System.getProperty("reve.name", CHECKOUT);
+        line.setCommandName(name);
         UsageMessageSpec usage = line.getCommandSpec().usageMessage();
-        usage.footer(Stream.concat(LAUNCHER.stream(), Stream.of(usage.footer()))
+        List<String> launcher = name.equals(CHECKOUT) ? LAUNCHER : INSTALLED;
+        usage.footer(Stream.concat(launcher.stream(), Stream.of(usage.footer()))
                 .toArray(String[]::new));
         line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);

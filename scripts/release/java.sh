@@ -1,0 +1,39 @@
+# What bin/reve of a release and ./reve of a checkout share: messages, and the way to Java.
+
+say() { printf '%s\n' "reve: $*" >&2; }
+fail() { say "$*"; exit 1; }
+wrong_usage() { say "$*"; exit 2; }
+
+java_major() { # JAVA_HOME PROGRAM: sets major to its version, 0 if bin/PROGRAM is missing
+  local line
+  major=0
+  [ -x "$1/bin/$2" ] && [ -r "$1/release" ] || return 0
+  while read -r line; do
+    case $line in JAVA_VERSION=\"*) line=${line#*\"}; major=${line%%[!0-9]*} ;; esac
+  done < "$1/release"
+  [ -n "$major" ] || major=0
+}
+
+find_java() { # PROGRAM: sets REVE_JAVA_HOME to a folder of version 25 or newer with bin/PROGRAM
+  local home on_path kind=JDK
+  [ "$1" = javac ] || kind="Java runtime"
+  if [ -n "${REVE_JAVA_HOME:-}" ]; then
+    java_major "$REVE_JAVA_HOME" "$1"
+    [ "$major" -ge 25 ] ||
+      fail "REVE_JAVA_HOME=$REVE_JAVA_HOME is not a $kind of version 25 or newer; set it to one, or unset it."
+    export REVE_JAVA_HOME
+    return
+  fi
+  on_path=$(readlink -f "$(command -v "$1" || true)" || true)
+  for home in "${JAVA_HOME:-}" "${on_path%/bin/*}" /usr/lib/jvm/* /opt/* /usr/local/* \
+              "${HOME:-}"/.jdks/* "${HOME:-}"/.sdkman/candidates/java/*; do
+    [ -n "$home" ] || continue
+    java_major "$home" "$1"
+    if [ "$major" -ge 25 ]; then
+      export REVE_JAVA_HOME=$home
+      return
+    fi
+  done
+  fail "no $kind 25 or newer found (looked at REVE_JAVA_HOME, JAVA_HOME, the PATH, /usr/lib/jvm, /opt," \
+       "/usr/local, ~/.jdks, ~/.sdkman). Install one and set REVE_JAVA_HOME to its folder."
+}
