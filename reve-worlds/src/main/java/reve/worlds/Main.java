@@ -46,7 +46,8 @@ import reve.worlds.cli.TokenCommand;
             "",
             "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid world file,",
             "4 a law or the native engine could not be loaded, 5 the port could not be bound,",
-            "or the address takes tokens and TLS.",
+            "or the address takes tokens and TLS, 6 a world stood still (serve --stalled exit),",
+            "137 out of memory.",
         })
 public final class Main {
     private static final String CHECKOUT = "./reve";

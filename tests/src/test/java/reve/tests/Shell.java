@@ -46,7 +46,8 @@ final class Shell {
         return new Server(process, new Server.Events(process.inputReader(), errors.getLast()));
     }
 
-    private String messages() throws IOException {
+    /** Everything that was written to standard error so far. */
+    String messages() throws IOException {
         StringBuilder all = new StringBuilder();
         for (Path file : errors) {
             all.append(Files.readString(file));

@@ -6,6 +6,7 @@ import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicLongArray;
+import java.util.concurrent.atomic.AtomicReference;
 import java.util.concurrent.locks.LockSupport;
 import org.jspecify.annotations.Nullable;
 import reve.core.world.Activity;
@@ -27,6 +28,7 @@ public final class FrameLoop {
     public static final int MAX_CATCH_UP_FRAMES = 4;
 
     private static final long UNLIMITED = Long.MAX_VALUE;
+    private static final long AT_WORK = Long.MIN_VALUE;
     /** How long a paused loop sleeps at most; whoever resumes it wakes it up. */
     private static final long PAUSE_NANOSECONDS = 100_000_000;
     private static final FramePhase[] PHASES = FramePhase.values();
@@ -44,6 +46,9 @@ public final class FrameLoop {
     private final AtomicLong lastAllowed = new AtomicLong(UNLIMITED);
     /** The last frame that was begun. */
     private final AtomicLong begunFrame = new AtomicLong();
+    private final AtomicReference<@Nullable FramePhase> phase = new AtomicReference<>();
+    /** When the wait of the loop's thread ends; {@link #AT_WORK} unless it waits [ns]. */
+    private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
     private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
     private boolean begun;
     private boolean making;
@@ -146,9 +151,9 @@ public final class FrameLoop {
      */
     public void run(long count) {
         world.guard().claim();
-        begin();
         runner = Thread.currentThread();
         try {
+            begin();
             pacer.start();
             for (long i = 0; i < count && mayBegin(); i++) {
                 make();
@@ -223,6 +228,25 @@ public final class FrameLoop {
         return world.activity();
     }
 
+    /** Returns the thread that {@link #run} is called by, or null. Any thread. */
+    public @Nullable Thread thread() {
+        return runner;
+    }
+
+    /** Returns the phase whose listeners are called now, or null. Any thread. */
+    public @Nullable FramePhase phase() {
+        return phase.getAcquire();
+    }
+
+    /**
+     * True while the loop's thread waits for a pause to end, or for the gate or the next frame to be
+     * due, and for these no longer than it intended to. Any thread.
+     */
+    public boolean isWaiting() {
+        long end = waitEnd.getAcquire();
+        return end != AT_WORK && (isPaused() || clock.nanoTime() - end <= 0);
+    }
+
     /** Frames completed. Any thread. */
     public long frame() {
         return frames.getAcquire();
@@ -272,7 +296,9 @@ public final class FrameLoop {
             world.guard().lockStructure(phase.name());
         }
         making = true;
+        this.phase.setRelease(phase);
         bus.dispatch(event);
+        this.phase.setRelease(null);
         making = false;
         int index = phase.ordinal();
         phaseNanoseconds.setRelease(index,
@@ -300,11 +326,13 @@ public final class FrameLoop {
     }
 
     private void await(long nanoseconds) {
+        waitEnd.setRelease(clock.nanoTime() + nanoseconds);
         if (isPaused()) {
             clock.park(nanoseconds);
         } else {
             gate.await(nanoseconds, clock);
         }
+        waitEnd.setRelease(AT_WORK);
     }
 
     /** How long a frame may not begin yet, at most until looked at again [ns]. */
@@ -336,7 +364,9 @@ public final class FrameLoop {
     private void awaitNextFrame() {
         long wait = pacer.nanosecondsToWait();
         while (wait > 0 && isWanted()) {
+            waitEnd.setRelease(clock.nanoTime() + wait);
             clock.park(wait);
+            waitEnd.setRelease(AT_WORK);
             runErrands();
             wait = pacer.nanosecondsToWait();
         }

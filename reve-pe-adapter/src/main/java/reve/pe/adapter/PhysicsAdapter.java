@@ -4,6 +4,7 @@ import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
 import java.util.Set;
+import java.util.stream.Collectors;
 import reve.core.frame.FrameEvent;
 import reve.core.frame.FrameListener;
 import reve.core.world.ColumnArena;
@@ -30,6 +31,7 @@ import reve.pe.PropertyUse;
  * the engine is used for nothing else meanwhile.
  */
 public final class PhysicsAdapter implements FrameListener, AutoCloseable {
+    private final World world;
     private final PhysicsEngine engine;
     private final LentWorld lent;
     private final Laws laws;
@@ -37,6 +39,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private final Set<String> accumulators = new HashSet<>();
     private long keptLayout = -1;
     private long keptLaws = -1;
+    /** What the world's thread does in the engine, for people. */
+    private String advancing = "";
     private long frames;
     private long redoneFrames;
     private long bindNanoseconds;
@@ -52,6 +56,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
      * @throws PhysicsException if the engine refuses a column
      */
     public PhysicsAdapter(World world, PhysicsEngine engine, ColumnArena arena) {
+        this.world = world;
         this.engine = engine;
         this.lent = new LentWorld(world, engine, arena);
         this.laws = new Laws(world, engine);
@@ -135,6 +140,7 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
 
     private boolean advanced(FrameEvent frame) {
         try {
+            world.activity().begin(advancing);
             engine.advance(frame.dtSeconds(), frame.steps());
             return true;
         } catch (PhysicsException failure) {
@@ -142,6 +148,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             engine.clearFault();
             laws.quarantine(frame.frame(), failure, itemOf(failure));
             return false;
+        } finally {
+            world.activity().end();
         }
     }
 
@@ -163,6 +171,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             rollback.keep(lent.columns(writtenProperties()));
             keptLayout = lent.lentLayout();
             keptLaws = laws.version();
+            advancing = "native code (advance) of the laws " + laws.loaded().stream()
+                .map(PhysicsLaw::name).collect(Collectors.joining(", "));
         }
     }
 

@@ -1,6 +1,7 @@
 package reve.worlds.cli;
 
 import java.io.PrintWriter;
+import java.time.Duration;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Queue;
@@ -77,10 +78,17 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     /** Writes what waits, then ends. May be called twice. */
     @Override
     public void close() {
+        close(Duration.ofMillis(Long.MAX_VALUE));
+    }
+
+    /** The same, within that time or not at all. */
+    void close(Duration limit) {
         events.add(LAST);
         LockSupport.unpark(printer);
         try {
-            printer.join();
+            if (printer.join(limit)) {
+                out.flush();
+            }
         } catch (InterruptedException stopped) {
             Thread.currentThread().interrupt();
         }

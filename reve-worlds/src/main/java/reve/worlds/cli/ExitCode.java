@@ -12,6 +12,7 @@ public final class ExitCode {
     public static final int INVALID_WORLD = 3;
     public static final int PHYSICS = 4;
     public static final int CANNOT_BIND = 5;
+    public static final int STALLED = 6;
 
     private ExitCode() {}
 

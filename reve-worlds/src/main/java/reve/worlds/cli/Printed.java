@@ -8,8 +8,7 @@ enum Printed {
     LITTLE {
         @Override
         boolean includes(String event) {
-            return event.equals("ready") || event.equals("fault")
-                    || event.equals("snapshot-failed");
+            return ALWAYS.contains(event);
         }
     },
     /** What happens now and then: nothing that agents bring about in every frame. */
@@ -27,6 +26,8 @@ enum Printed {
         }
     };
 
+    private static final Set<String> ALWAYS = Set.of("ready", "fault", "snapshot-failed", "stalled",
+            "recovered");
     private static final Set<String> NOW_AND_THEN = Set.of("joined", "left", "late", "law-loaded",
             "law-unloaded", "snapshot", "saved", "rewound");
 

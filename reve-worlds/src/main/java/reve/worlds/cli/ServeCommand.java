@@ -25,6 +25,7 @@ import reve.worlds.journal.SqliteStore;
 import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.ServerReport;
+import reve.worlds.server.WatchdogPlan;
 import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
@@ -36,6 +37,9 @@ import reve.worlds.server.WorldServer;
 public final class ServeCommand implements Callable<Integer> {
     private static final double MIN_DEADLINE = 0.001;
     private static final double MAX_DEADLINE = 3600;
+    private static final double MIN_WATCHDOG = 0.1;
+    private static final double MAX_WATCHDOG = 86_400;
+    private static final Duration LAST_WORDS = Duration.ofSeconds(1);
 
     @Spec
     private CommandSpec spec = CommandSpec.create();
@@ -98,6 +102,18 @@ public final class ServeCommand implements Callable<Integer> {
                     + "(default: ${DEFAULT-VALUE}).")
     private double deadline;
 
+    @Option(names = "--watchdog", paramLabel = "S", defaultValue = "5",
+            description = "Time without a frame after which a world counts as standing still [s]; "
+                    + "0: never (default: ${DEFAULT-VALUE}).")
+    private double watchdog;
+
+    @Option(names = "--stalled", paramLabel = "WHAT", defaultValue = "warn",
+            description = "What a world that stands still leads to: warn, a report; exit, a "
+                    + "report, and the server ends at once with code 6.")
+    private Stalled stalled = Stalled.WARN;
+
+    private enum Stalled { WARN, EXIT }
+
     @Option(names = "--fast",
             description = "As fast as it goes, instead of paced to the wall clock.")
     private boolean fast;
@@ -128,12 +144,13 @@ public final class ServeCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         AgentServerConfig agents = agents();
+        requireWatchdog();
         requireStoreEvery();
         List<WorldPlan> plans = plans();
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json,
                 printed.printed())) {
             WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                    agents, laws, events);
+                    agents, laws, watchdog(events), events);
             try (Interrupt _ = new Interrupt(server::stop)) {
                 ServerReport report;
                 try (server) {
@@ -199,6 +216,25 @@ public final class ServeCommand implements Callable<Integer> {
             throw new ParameterException(spec.commandLine(),
                     "--store-every is " + storeEvery + ", expected a time above 0 s");
         }
+    }
+
+    private void requireWatchdog() {
+        if (watchdog != 0 && !(watchdog >= MIN_WATCHDOG && watchdog <= MAX_WATCHDOG)) {
+            throw new ParameterException(spec.commandLine(), "--watchdog is " + watchdog
+                    + ", expected 0 or " + MIN_WATCHDOG + " to " + MAX_WATCHDOG + " s");
+        }
+    }
+
+    private WatchdogPlan watchdog(EventPrinter events) {
+        return new WatchdogPlan(Duration.ofNanos(Math.round(watchdog * 1e9)),
+                stalled == Stalled.EXIT ? Optional.of(() -> exit(events)) : Optional.empty());
+    }
+
+    /** Ends the process although the thread of a world hangs: journals have its last frame. */
+    private static void exit(EventPrinter events) {
+        System.err.println("reve: a world stands still, and --stalled is exit: ended");
+        events.close(LAST_WORDS);
+        Runtime.getRuntime().halt(ExitCode.STALLED);
     }
 
     private AgentServerConfig agents() throws IOException {

@@ -111,6 +111,11 @@ final class HostedWorld implements AutoCloseable {
                 simulation.snapshots(), simulation.loop(), control, cameras);
     }
 
+    /** What a watchdog needs of it. */
+    Watchdog.Subject watched() {
+        return new Watchdog.Subject(name(), simulation.loop(), events);
+    }
+
     /** Begins to watch the laws folder, and says that the world is ready. */
     void start(InetSocketAddress agents) {
         if (laws != null) {

@@ -23,6 +23,13 @@ public final class WorldServer implements AutoCloseable {
     private final ServerEvents events;
     private final List<HostedWorld> worlds = new ArrayList<>();
     private final AgentServer agents;
+    private final Watchdog watchdog;
+
+    /** The same, without a watchdog. */
+    public WorldServer(List<WorldPlan> plans, Pacing pacing, AgentServerConfig config,
+            Optional<Path> lawsFolder, ServerEvents events) throws IOException {
+        this(plans, pacing, config, lawsFolder, WatchdogPlan.OFF, events);
+    }
 
     /**
      * Builds the worlds, loads their laws, and begins to listen.
@@ -34,7 +41,8 @@ public final class WorldServer implements AutoCloseable {
      * @throws reve.pe.PhysicsException if a law of a world file does not load
      */
     public WorldServer(List<WorldPlan> plans, Pacing pacing, AgentServerConfig config,
-            Optional<Path> lawsFolder, ServerEvents events) throws IOException {
+            Optional<Path> lawsFolder, WatchdogPlan watch, ServerEvents events)
+            throws IOException {
         this.events = events;
         try {
             for (WorldPlan plan : plans) {
@@ -43,6 +51,8 @@ public final class WorldServer implements AutoCloseable {
             }
             agents = closing.add(AgentServer.start(config,
                     worlds.stream().map(HostedWorld::port).toList()));
+            watchdog = closing.add(new Watchdog(watch, worlds.stream()
+                    .map(HostedWorld::watched).toList()));
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
@@ -75,6 +85,7 @@ public final class WorldServer implements AutoCloseable {
     /** Begins to watch the laws folder, and says that the worlds are ready. */
     public void start() {
         worlds.forEach(world -> world.start(agents.address()));
+        watchdog.start();
     }
 
     /** Runs the worlds until each has made its frames or was stopped, and reports on them. */

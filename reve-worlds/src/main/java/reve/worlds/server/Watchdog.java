@@ -1,0 +1,150 @@
+package reve.worlds.server;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Locale;
+import java.util.Map;
+import java.util.Optional;
+import java.util.concurrent.locks.LockSupport;
+import java.util.regex.Pattern;
+import java.util.stream.Stream;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
+import reve.core.frame.FrameLoop;
+
+/**
+ * Reports worlds that stand still: a world that is to make frames and has made none for a time. Its
+ * thread reads what the worlds' threads publish anyway, and costs them nothing. A world that is
+ * paused, waits for agents in lock-step or for its next frame to be due does not stand still.
+ */
+final class Watchdog implements AutoCloseable {
+    private static final Logger LOG = LoggerFactory.getLogger("watchdog");
+    private static final int LOOKS_PER_LIMIT = 5;
+    private static final long MAX_PERIOD_NANOS = 1_000_000_000;
+    private static final int STACK_DEPTH = 12;
+    private static final Pattern JDK = Pattern.compile("(java|javax|jdk|sun)\\.");
+
+    private final WatchdogPlan plan;
+    private final List<Watched> worlds;
+    private final long periodNanos;
+    private final Thread thread = new Thread(this::watch, "watchdog");
+    private volatile boolean closed;
+
+    /** A world to watch. */
+    record Subject(String world, FrameLoop loop, ServerEvents events) {}
+
+    Watchdog(WatchdogPlan plan, List<Subject> worlds) {
+        this.plan = plan;
+        this.worlds = worlds.stream().map(Watched::new).toList();
+        this.periodNanos = Math.min(plan.limit().toNanos() / LOOKS_PER_LIMIT, MAX_PERIOD_NANOS);
+        thread.setDaemon(true);
+    }
+
+    /** Begins to watch; with a limit of 0 there is nothing to do. */
+    void start() {
+        if (!plan.limit().isZero()) {
+            thread.start();
+        }
+    }
+
+    @Override
+    public void close() {
+        closed = true;
+        LockSupport.unpark(thread);
+    }
+
+    private void watch() {
+        long last = System.nanoTime();
+        while (!closed) {
+            LockSupport.parkNanos(periodNanos);
+            long now = System.nanoTime();
+            // A process that was stopped, or starved of processors, saw nothing meanwhile.
+            long seen = Math.min(now - last, 2 * periodNanos);
+            last = now;
+            for (Watched world : worlds) {
+                world.look(seen);
+            }
+        }
+    }
+
+    /** One world. Thread of the watchdog. */
+    private final class Watched {
+        private final Subject subject;
+        private long frame = -1;
+        private long stillNanos;
+        private long reportAtNanos = plan.limit().toNanos();
+
+        Watched(Subject subject) {
+            this.subject = subject;
+        }
+
+        void look(long seenNanos) {
+            FrameLoop loop = subject.loop;
+            Thread thread = loop.thread();
+            long now = loop.frame();
+            if (thread == null || now != frame || loop.isWaiting()) {
+                if (reportAtNanos > plan.limit().toNanos()) {
+                    recovered(now);
+                }
+                frame = now;
+                stillNanos = 0;
+                reportAtNanos = plan.limit().toNanos();
+                return;
+            }
+            stillNanos += seenNanos;
+            if (stillNanos >= reportAtNanos) {
+                reportAtNanos *= 2;
+                stalled(thread);
+            }
+        }
+
+        private void stalled(Thread thread) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            String phase = Optional.ofNullable(subject.loop.phase()).map(Enum::name)
+                    .orElse("between phases");
+            String doing = Optional.ofNullable(subject.loop.activity().current())
+                    .map(Object::toString).orElse("");
+            List<String> stack = stackOf(thread);
+            fields.put("world", subject.world);
+            fields.put("frame", frame + 1);
+            fields.put("seconds", seconds());
+            fields.put("phase", phase);
+            if (!doing.isEmpty()) {
+                fields.put("activity", doing);
+            }
+            fields.put("stack", stack);
+            subject.events.happened("stalled", fields);
+            LOG.error("the world {} stands still: frame {} takes {} s by now, in {}, {}, at {}",
+                    subject.world, frame + 1, seconds(), phase,
+                    doing.isEmpty() ? "thread " + thread.getState() : doing,
+                    stack.isEmpty() ? "no Java method" : stack.getFirst());
+            plan.onStall().ifPresent(Runnable::run);
+        }
+
+        private void recovered(long now) {
+            Map<String, Object> fields = new LinkedHashMap<>();
+            fields.put("world", subject.world);
+            fields.put("frame", now);
+            fields.put("seconds", seconds());
+            subject.events.happened("recovered", fields);
+            LOG.warn("the world {} makes frames again: it stood still for {} s", subject.world,
+                    seconds());
+        }
+
+        private double seconds() {
+            return Double.parseDouble(String.format(Locale.ROOT, "%.1f", stillNanos * 1e-9));
+        }
+
+        /** Methods that the thread is in, innermost first, without those that the JDK calls. */
+        private static List<String> stackOf(Thread thread) {
+            return Stream.of(thread.getStackTrace())
+                    .dropWhile(call -> JDK.matcher(call.getClassName()).lookingAt())
+                    .limit(STACK_DEPTH).map(Watched::place).toList();
+        }
+
+        private static String place(StackTraceElement call) {
+            return call.getClassName() + "." + call.getMethodName() + "("
+                    + call.getFileName() + ":" + call.getLineNumber() + ")";
+        }
+    }
+}

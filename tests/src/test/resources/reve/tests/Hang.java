@@ -1,0 +1,29 @@
+package example;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.List;
+import reve.core.access.ActionProvider;
+import reve.core.access.Effect;
+import reve.core.world.ActionCall;
+
+/** Keeps the world's thread for as long as a file is there. */
+public final class Hang implements ActionProvider {
+    @Override
+    public String name() {
+        return "example.hang";
+    }
+
+    @Override
+    public String doc() {
+        return "Hangs.";
+    }
+
+    @Override
+    public List<Effect> decide(ActionCall call) {
+        while (Files.exists(Path.of("hang"))) {
+            Thread.onSpinWait();
+        }
+        return List.of();
+    }
+}
