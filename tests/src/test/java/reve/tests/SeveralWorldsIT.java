@@ -196,7 +196,8 @@ class SeveralWorldsIT {
                 ItemDefinition.named("bomb").shape(Shape.sphere(1)).action(go).build();
         return new WorldDescription(name, "", WorldPrototype.standard("si-f64"), Timing.DEFAULT,
                 0, List.of(), Map.of(), Optional.empty(),
-                new AgentPolicy(List.of(), Optional.of(body)), List.of(), List.of(bomb), List.of());
+                new AgentPolicy(List.of(), Optional.of(body)), List.of(), List.of(bomb), List.of(),
+                List.of());
     }
 
     private static void awaitQuietly(CountDownLatch latch) {

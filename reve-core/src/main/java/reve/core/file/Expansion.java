@@ -6,6 +6,8 @@ import java.util.Optional;
 final class Expansion {
     /** Most values that come of it. */
     static final int MAX_VALUES = 10_000_000;
+    /** Most items, with their repetitions. */
+    static final int MAX_ITEMS = 1_000_000;
 
     private final Problems problems;
     private final SourceFiles files;
@@ -32,9 +34,18 @@ final class Expansion {
     static final class Room {
         private final Problems problems;
         private final Allowance left = new Allowance(MAX_VALUES);
+        private final Allowance itemsLeft = new Allowance(MAX_ITEMS);
 
         private Room(Problems problems) {
             this.problems = problems;
+        }
+
+        /** @throws WorldFileException at the item if there is no room for it and those like it */
+        void requireItems(long count, Node item) throws WorldFileException {
+            if (!itemsLeft.take(count)) {
+                throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
+                        + MAX_ITEMS + " items with their repetitions");
+            }
         }
 
         /** @throws WorldFileException at the item if there is no room for its values */
@@ -60,6 +71,7 @@ final class Expansion {
         Node complete = complete(item);
         Optional<Node> repeat = complete.get("repeat");
         if (repeat.isEmpty()) {
+            values.requireItems(1, item);
             sink.accept(complete);
             return;
         }
@@ -71,6 +83,7 @@ final class Expansion {
 
     private void repeat(Node item, Repetition repetition, Sink sink)
             throws WorldFileException {
+        values.requireItems(repetition.count(), item);
         var template = new Template(item, repetition.variables(), problems);
         values.require(Math.min(repetition.count(), MAX_VALUES) * (1 + template.size()), item);
         Optional<Node> fixed = item.get("name").filter(node -> node.text()

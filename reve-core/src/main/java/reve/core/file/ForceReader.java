@@ -4,7 +4,10 @@ import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Optional;
+import java.util.Set;
+import java.util.stream.Collectors;
 import reve.core.unit.Unit;
+import reve.core.world.ItemDefinition;
 import reve.core.world.ScalarType;
 
 /** Reads the forces that act when a world begins; the items are known by then. */
@@ -12,14 +15,22 @@ final class ForceReader {
     private static final Unit NEWTON = Unit.parse("N");
 
     private final ItemNames names;
+    private final List<ItemDefinition> items;
     private final ScalarType real;
+    private final Doubts doubts;
     private final Problems problems;
     private final Quantities quantities;
 
-    /** @param real type of the world's reals, which a force must fit */
-    ForceReader(ItemNames names, ScalarType real, Problems problems) {
+    /**
+     * @param items those of the file, without those that have a problem
+     * @param real type of the world's reals, which a force must fit
+     */
+    ForceReader(ItemNames names, List<ItemDefinition> items, ScalarType real, Doubts doubts,
+            Problems problems) {
         this.names = names;
+        this.items = items;
         this.real = real;
+        this.doubts = doubts;
         this.problems = problems;
         this.quantities = new Quantities(problems);
     }
@@ -27,16 +38,26 @@ final class ForceReader {
     /** In the order of the file, without those that have a problem. */
     List<LastingForce> readAll(Node list) {
         List<LastingForce> forces = new ArrayList<>();
+        Set<String> immovable = items.stream().filter(ForceReader::isImmovable)
+                .map(ItemDefinition::name).collect(Collectors.toSet());
         for (Node node : list.children()) {
             Optional<String> item = node.get("item").flatMap(names::physicalBody);
             Optional<double[]> newtons = node.get("force").flatMap(this::newtons);
             Optional<Double> frames = node.get("frames").flatMap(Node::number);
+            item.filter(immovable::contains).ifPresent(name -> doubts.refuse(
+                    node.get("item").orElseThrow(), "item: `" + Node.shorten(name)
+                            + "` has mass 0, so no force moves it; give it a mass, or leave the "
+                            + "force out", problems));
             if (item.isPresent() && newtons.isPresent() && frames.isPresent()) {
                 forces.add(new LastingForce(item.get(),
                         Arrays.stream(newtons.get()).boxed().toList(), frames.get().longValue()));
             }
         }
         return forces;
+    }
+
+    private static boolean isImmovable(ItemDefinition item) {
+        return item.physics("mass").filter(mass -> mass[0] > 0).isEmpty();
     }
 
     private Optional<double[]> newtons(Node force) {

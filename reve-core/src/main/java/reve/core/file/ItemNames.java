@@ -57,6 +57,7 @@ final class ItemNames {
             resolve(mention);
         }
         refuseCircles();
+        LookAlikes.warn(byName.values().stream().map(Entry::name).toList(), problems);
     }
 
     /** The names of bodies in a list that agents may take; problems of others are noted. */

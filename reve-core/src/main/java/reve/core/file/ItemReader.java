@@ -28,6 +28,9 @@ final class ItemReader {
     private final ActionReader actions;
     private final SensorReader sensors;
     private final ItemNames names;
+    private final BodyCheck bodies;
+    /** Begins the definition of an item of a name, which it may refuse. */
+    private final Function<String, ItemDefinition.Builder> beginning;
 
     /** Lays what an item says over what it is like. */
     interface Completion {
@@ -36,7 +39,8 @@ final class ItemReader {
 
     /** @param pathOf where a file is that a value names, as the assets take it */
     ItemReader(WorldPrototype prototype, PhysicsReader physics, Assets assets,
-            BiFunction<Node, String, String> pathOf, Completion completion, Problems problems) {
+            BiFunction<Node, String, String> pathOf, Completion completion, Doubts doubts,
+            Problems problems) {
         this.prototype = prototype;
         this.completion = completion;
         this.problems = problems;
@@ -46,6 +50,8 @@ final class ItemReader {
         this.densities = new DensityReader(prototype, physics, problems);
         this.actions = new ActionReader(physics, this::readCreated, problems);
         this.sensors = new SensorReader(problems);
+        this.bodies = new BodyCheck(doubts, problems);
+        this.beginning = doubts == Doubts.IGNORED ? ItemDefinition::kept : ItemDefinition::named;
     }
 
     /** All items under {@code items}, without those that have a problem. */
@@ -82,15 +88,15 @@ final class ItemReader {
         kind(template).filter(kind -> !kind.equals(WorldPrototype.BODY)).ifPresent(kind ->
                 problems.add(template, "body: is like a " + kind + ", expected a body"));
         readAspects(template, WorldPrototype.BODY, hasPhysics(template), item);
+        bodies.check(template, item.build());
         return item.build();
     }
 
-    /** An item without its world: what it says of others is taken as it is. */
+    /** An item that was kept, without its world: what it says of others is taken as it is. */
     Optional<ItemDefinition> readAlone(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> item = node.get("name")
-                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node),
-                        ItemDefinition::named));
+                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node)));
         if (kind.isPresent() && item.isPresent()) {
             item.get().kind(kind.get());
             node.get("parent").ifPresent(parent -> readParent(parent, kind.get(), item.get()));
@@ -108,13 +114,17 @@ final class ItemReader {
             return Optional.empty();
         }
         try {
-            ItemDefinition.Builder item = ItemDefinition.named(name.get()).kind(kind.get());
+            ItemDefinition.Builder item = beginning.apply(name.get()).kind(kind.get());
             node.get("parent").filter(parent -> parent.text().isPresent()).ifPresent(parent -> {
                 item.parent(parent.text().orElseThrow());
                 names.mention(parent, WorldPrototype.BODY, false);
             });
             readAspects(node, kind.get(), hasPhysics(node), item);
             requireReferences(node, kind.get());
+            node.get("repeat").ifPresent(repeat -> problems.addAtKey(repeat,
+                    "`repeat` does not go with `create`, which makes one item each time; write the "
+                            + "effect as often as items are wanted"));
+            bodies.check(node, item.build());
             return Optional.of(item.build());
         } catch (IllegalArgumentException refused) {
             return refuse(node, refused.getMessage());
@@ -145,7 +155,7 @@ final class ItemReader {
             throws WorldFileException {
         ItemDefinition definition = first.definition();
         Optional<ItemDefinition.Builder> named = named(first.name(values), definition.kind(),
-                definition.hasPhysics(), definition::copy);
+                definition.hasPhysics()).map(name -> definition.copy(name.name()));
         ItemDefinition.Builder item = named.orElseGet(() -> definition.copy("unnamed"));
         for (Template.Made made : values) {
             switch (made.aspect()) {
@@ -160,15 +170,16 @@ final class ItemReader {
             requireReferences(property -> first.physics(values, property),
                     first.node().get("physics").orElseThrow(), definition.kind());
         }
-        return named.map(ItemDefinition.Builder::build);
+        Optional<ItemDefinition> read = named.map(ItemDefinition.Builder::build);
+        read.ifPresent(complete -> bodies.check(first.node(), complete));
+        return read;
     }
 
     /** What an item of that kind holds is checked even if its name is wrong. */
     private Optional<ItemDefinition> read(Node node) throws WorldFileException {
         Optional<String> kind = kind(node);
         Optional<ItemDefinition.Builder> named = node.get("name")
-                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node),
-                        ItemDefinition::named));
+                .flatMap(name -> named(name, kind.orElse(""), hasPhysics(node)));
         ItemDefinition.Builder item = named.orElseGet(() -> ItemDefinition.named("unnamed"));
         if (kind.isPresent()) {
             item.kind(kind.get());
@@ -177,13 +188,14 @@ final class ItemReader {
             requireReferences(node, kind.get());
         }
         Optional<ItemDefinition> read = named.map(ItemDefinition.Builder::build);
-        read.ifPresent(complete -> refuseMassOfChild(node, complete));
+        read.ifPresent(complete -> {
+            refuseMassOfChild(node, complete);
+            bodies.check(node, complete);
+        });
         return read;
     }
 
-    /** @param beginning begins the definition of an item of a name, which it may refuse */
-    private Optional<ItemDefinition.Builder> named(Node node, String kind, boolean hasPhysics,
-            Function<String, ItemDefinition.Builder> beginning) {
+    private Optional<ItemDefinition.Builder> named(Node node, String kind, boolean hasPhysics) {
         Optional<String> name = node.text();
         if (name.isEmpty()) {
             return Optional.empty();

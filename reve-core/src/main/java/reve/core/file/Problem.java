@@ -3,8 +3,9 @@ package reve.core.file;
 import java.util.Comparator;
 
 /**
- * One thing that is wrong with a world file.
+ * One thing that is wrong with a world file, or that is worth a look.
  *
+ * @param severity whether the file is refused for it
  * @param file the file's name as the caller gave it
  * @param line from 1
  * @param column from 1, in characters
@@ -12,8 +13,16 @@ import java.util.Comparator;
  *     file as a whole
  * @param message what was found, what was expected, what to do
  */
-public record Problem(String file, int line, int column, String pointer, String message)
-        implements Comparable<Problem> {
+public record Problem(Severity severity, String file, int line, int column, String pointer,
+        String message) implements Comparable<Problem> {
+    /** What a problem does to the file. */
+    public enum Severity {
+        /** The file is refused. */
+        ERROR,
+        /** The file is valid, and perhaps not what was meant. */
+        WARNING
+    }
+
     private static final Comparator<Problem> BY_POSITION = Comparator.comparing(Problem::file)
             .thenComparingInt(Problem::line).thenComparingInt(Problem::column)
             .thenComparing(Problem::message).thenComparing(Problem::pointer);
@@ -23,9 +32,10 @@ public record Problem(String file, int line, int column, String pointer, String 
         return BY_POSITION.compare(this, other);
     }
 
-    /** {@code file:line:column: message}. */
+    /** {@code file:line:column: message}, or {@code file:line:column: warning: message}. */
     @Override
     public String toString() {
-        return file + ":" + line + ":" + column + ": " + message;
+        return file + ":" + line + ":" + column + ": "
+                + (severity == Severity.WARNING ? "warning: " : "") + message;
     }
 }

@@ -3,6 +3,7 @@ package reve.core.file;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Pattern;
+import reve.core.world.VisibleText;
 
 /**
  * Collects what is wrong with a world file and those that it includes; stops taking more when
@@ -16,19 +17,21 @@ final class Problems {
 
     private final String file;
     private final List<Problem> found;
+    private final List<Problem> warnings;
 
     Problems(String file) {
-        this(file, new ArrayList<>());
+        this(file, new ArrayList<>(), new ArrayList<>());
     }
 
-    private Problems(String file, List<Problem> found) {
+    private Problems(String file, List<Problem> found, List<Problem> warnings) {
         this.file = file;
         this.found = found;
+        this.warnings = warnings;
     }
 
     /** The same problems, to be told of another file. */
     Problems of(String otherFile) {
-        return new Problems(otherFile, found);
+        return new Problems(otherFile, found, warnings);
     }
 
     /** The file that is being read. */
@@ -39,6 +42,11 @@ final class Problems {
     /** Where a node's value begins, as {@code file:line:column}. */
     static String place(Node node) {
         return node.file() + ":" + node.line() + ":" + node.column();
+    }
+
+    /** Where the key of a node's value stands, as {@code file:line:column}. */
+    static String keyPlace(Node node) {
+        return node.file() + ":" + node.keyLine() + ":" + node.keyColumn();
     }
 
     /** Where another node stands, for messages: {@code on line 5}, or {@code in f.yaml:5}. */
@@ -71,6 +79,20 @@ final class Problems {
         add(problem(file, line, column, pointer, message));
     }
 
+    /** Notes what does not keep a file from being valid. */
+    void warn(Node node, String message) {
+        Problem warning = problem(Problem.Severity.WARNING, node.file(), node.line(),
+                node.column(), node.pointer(), message);
+        if (warnings.size() < MAX_REPORTED && !warnings.contains(warning)) {
+            warnings.add(warning);
+        }
+    }
+
+    /** By their places, as many as a report holds. */
+    List<Problem> warnings() {
+        return warnings.stream().sorted().toList();
+    }
+
     /** What several items have from one place is told once. */
     private void add(Problem problem) {
         if (!full() && !found.contains(problem)) {
@@ -99,11 +121,16 @@ final class Problems {
         return exception();
     }
 
-    /** What a file contains must not control the terminal that shows the message. */
     private static Problem problem(String file, int line, int column, String pointer,
             String message) {
-        return new Problem(file, line, column, pointer,
-                CONTROL_CHARACTER.matcher(message).replaceAll(" "));
+        return problem(Problem.Severity.ERROR, file, line, column, pointer, message);
+    }
+
+    /** What a file contains must not control the terminal that shows the message. */
+    private static Problem problem(Problem.Severity severity, String file, int line, int column,
+            String pointer, String message) {
+        return new Problem(severity, file, line, column, pointer, VisibleText.escaped(
+                CONTROL_CHARACTER.matcher(message).replaceAll(" ")));
     }
 
     private WorldFileException exception() {
@@ -111,7 +138,7 @@ final class Problems {
         sorted.sort(null);
         if (full()) {
             Problem last = sorted.getLast();
-            sorted.add(new Problem(last.file(), last.line(), last.column(), "",
+            sorted.add(problem(last.file(), last.line(), last.column(), "",
                     "no more than " + MAX_REPORTED + " problems are shown; there may be others"));
         }
         return new WorldFileException(sorted);

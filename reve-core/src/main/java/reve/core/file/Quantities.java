@@ -50,10 +50,18 @@ final class Quantities {
         return node.number().flatMap(number -> counted(node, new double[] {number}, count, unit));
     }
 
-    /** One number in SI units, whatever its unit, or empty and a problem noted. */
-    Optional<Double> si(Node node) {
+    /**
+     * A number of any unit.
+     *
+     * @param value in SI units
+     * @param unit that was given
+     */
+    record Quantity(double value, Optional<Unit> unit) {}
+
+    /** One number, whatever its unit, or empty and a problem noted. */
+    Optional<Quantity> quantity(Node node) {
         if (node.text().isEmpty()) {
-            return node.number();
+            return node.number().map(value -> new Quantity(value, Optional.empty()));
         }
         Optional<Parsed> parsed = parse(node, "a number with a unit, such as `3 m/s`");
         if (parsed.isEmpty()) {
@@ -64,7 +72,8 @@ final class Quantities {
         if (numbers.length != 1) {
             return refuse(node, "found " + plural(numbers.length) + ", expected one");
         }
-        return finite(node, numbers, from, from::toSi).map(values -> values[0]);
+        return finite(node, numbers, from, from::toSi)
+                .map(values -> new Quantity(values[0], parsed.get().unit));
     }
 
     private record Parsed(double[] numbers, Optional<Unit> unit) {}

@@ -108,7 +108,12 @@ final class SensorReader {
 
     private static Set<Layer> layers(Node list) {
         var layers = EnumSet.noneOf(Layer.class);
-        names(list).forEach(name -> layers.add(Layer.valueOf(name.toUpperCase(Locale.ROOT))));
+        Set<String> names = names(list);
+        for (Layer layer : Layer.values()) {
+            if (names.contains(layer.name().toLowerCase(Locale.ROOT))) {
+                layers.add(layer);
+            }
+        }
         return layers;
     }
 

@@ -29,23 +29,25 @@ import reve.core.world.WorldPrototype;
  * @param rules which symbols items get, in the order in which they are evaluated
  * @param items in the order of the file; they may refer to each other
  * @param forces on items, in the order in which they are added up
+ * @param warnings of what the file says, which is valid and perhaps not what was meant
  */
 public record WorldDescription(String name, String doc, WorldPrototype prototype, Timing timing,
         long age, List<LawReference> laws, Map<String, List<Double>> constants,
         Optional<CameraDescription> camera, AgentPolicy agents, List<Rule> rules,
-        List<ItemDefinition> items, List<LastingForce> forces) {
+        List<ItemDefinition> items, List<LastingForce> forces, List<Problem> warnings) {
     public WorldDescription {
         laws = List.copyOf(laws);
         constants = Collections.unmodifiableMap(new LinkedHashMap<>(constants));
         rules = List.copyOf(rules);
         items = List.copyOf(items);
         forces = List.copyOf(forces);
+        warnings = List.copyOf(warnings);
     }
 
     /** A world with nothing in it, no laws and no agents. */
     public static WorldDescription bare(String name, WorldPrototype prototype, Timing timing) {
         return new WorldDescription(name, "", prototype, timing, 0, List.of(), Map.of(),
-                Optional.empty(), AgentPolicy.none(), List.of(), List.of(), List.of());
+                Optional.empty(), AgentPolicy.none(), List.of(), List.of(), List.of(), List.of());
     }
 
     /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
@@ -80,7 +82,8 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
                 .filter(body -> world.find(body).isPresent()).toList();
         return new WorldDescription(name, doc, prototype, timing, world.age(), nowLoaded, now,
                 camera, new AgentPolicy(bodies, agents.template(), agents.places()), rules,
-                inOrderOfRows(world).stream().map(Item::definition).toList(), forcesIn(world));
+                inOrderOfRows(world).stream().map(Item::definition).toList(), forcesIn(world),
+                List.of());
     }
 
     /** Those on items that have gone, or are scenery now, end with the next frame. */

@@ -96,7 +96,7 @@ public final class WorldFile {
         var physics = new PhysicsReader(prototype, Set.of(), problems);
         Optional<ItemDefinition> read =
                 new ItemReader(prototype, physics, assets, (node, path) -> path, node -> node,
-                        problems).readAlone(item);
+                        Doubts.IGNORED, problems).readAlone(item);
         problems.throwIfAny();
         return read.orElseThrow();
     }

@@ -11,6 +11,7 @@ import reve.core.mesh.Assets;
 import reve.core.rule.Rule;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
+import reve.core.world.VisibleText;
 import reve.core.world.WorldPrototype;
 
 /** Reads a whole file whose form was checked; what the schema cannot express is checked here. */
@@ -36,22 +37,24 @@ final class WorldReader {
                 prototypeReader.read(root, source.all("properties")));
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
         var expansion = new Expansion(source, problems);
+        long age = wholeNumber(root.get("frame"), "age", 0);
+        Doubts doubts = Doubts.of(age > 0);
         var itemReader =
                 new ItemReader(prototype, physics, assets, source.files()::pathOf,
-                        expansion::complete, problems);
+                        expansion::complete, doubts, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
-        var forceReader = new ForceReader(itemReader.names(), prototype.realType(), problems);
+        var forceReader = new ForceReader(itemReader.names(), items, prototype.realType(), doubts, problems);
         List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
         List<LawReference> laws = laws(source.all("laws"));
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
         AgentPolicy agents = root.get("agents").isEmpty() ? AgentPolicy.none()
-                : agents(root.get("agents").get(), itemReader);
+                : agents(root.get("agents").get(), itemReader, new BodyCheck(doubts, problems));
         List<Rule> rules = ruleReader.readRules(source.all("rules"), prototype);
         problems.throwIfAny();
         return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
-                timing(root), wholeNumber(root.get("frame"), "age", 0), laws, constants, camera,
-                agents, rules, items, forces);
+                timing(root), age, laws, constants, camera,
+                agents, rules, items, forces, problems.warnings());
     }
 
     private static String text(Node node, String key) {
@@ -81,20 +84,26 @@ final class WorldReader {
                     problems.add(nameNode.get(), "duplicate law `" + Node.shorten(name)
                             + "`, first " + Problems.place(first, nameNode.get()));
                 }
-                laws.add(new LawReference(name, parameters(node),
-                        Problems.place(nameNode.get())));
+                VisibleText.fault(name).ifPresent(fault -> problems.add(nameNode.get(),
+                        "law `" + Node.shorten(name) + "` " + fault));
+                laws.add(law(name, node, Problems.place(nameNode.get())));
             });
         }
         return laws;
     }
 
     /** Which parameters a law has, only the law knows; here they become numbers in SI units. */
-    private Map<String, Double> parameters(Node law) {
+    private LawReference law(String name, Node law, String place) {
         Map<String, Double> values = new LinkedHashMap<>();
+        Map<String, LawReference.Mention> mentions = new LinkedHashMap<>();
         for (Node node : law.get("parameters").map(Node::children).orElse(List.of())) {
-            quantities.si(node).ifPresent(value -> values.put(node.key(), value));
+            quantities.quantity(node).ifPresent(quantity -> {
+                values.put(node.key(), quantity.value());
+                mentions.put(node.key(),
+                        new LawReference.Mention(Problems.keyPlace(node), quantity.unit()));
+            });
         }
-        return values;
+        return new LawReference(name, values, place, mentions);
     }
 
     private Optional<CameraDescription> camera(Node node) {
@@ -144,19 +153,21 @@ final class WorldReader {
             a[0] * b[1] - a[1] * b[0]};
     }
 
-    private AgentPolicy agents(Node node, ItemReader itemReader)
+    private AgentPolicy agents(Node node, ItemReader itemReader, BodyCheck check)
             throws WorldFileException {
         List<String> bodies = node.get("bodies").map(itemReader.names()::bodies).orElse(List.of());
         Optional<Node> body = node.get("body");
         return new AgentPolicy(bodies, body.isEmpty() ? Optional.empty()
-                : Optional.of(itemReader.readTemplate(body.get())), places(node));
+                : Optional.of(itemReader.readTemplate(body.get())), places(node, check));
     }
 
-    private List<AgentPolicy.Place> places(Node agents) {
+    private List<AgentPolicy.Place> places(Node agents, BodyCheck check) {
         var places = new ArrayList<AgentPolicy.Place>();
         for (Node node : agents.get("places").map(Node::children).orElse(List.of())) {
-            quantities.numbers(node, 3, METRE)
-                    .ifPresent(at -> places.add(new AgentPolicy.Place(at[0], at[1], at[2])));
+            quantities.numbers(node, 3, METRE).ifPresent(at -> {
+                check.checkPlace(node, at);
+                places.add(new AgentPolicy.Place(at[0], at[1], at[2]));
+            });
         }
         return places;
     }

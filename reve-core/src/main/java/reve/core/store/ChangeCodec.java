@@ -88,7 +88,7 @@ public final class ChangeCodec {
                 world.remove(id(change, "remove"));
             }
         } else if (change.has("rename")) {
-            world.rename(id(change, "rename"), Trees.text(change, "to"));
+            world.restoreName(id(change, "rename"), Trees.text(change, "to"));
         } else if (change.has("attach")) {
             world.attach(id(change, "attach"), id(change, "parent"),
                     pose(Trees.field(change, "pose")));

@@ -48,8 +48,17 @@ public final class ItemDefinition {
         references = builder.references;
     }
 
-    /** Begins a definition: kind body, no shape, at the origin, scenery. */
+    /**
+     * Begins a definition: kind body, no shape, at the origin, scenery.
+     *
+     * @throws IllegalArgumentException if the name cannot be seen as it is, see {@link VisibleText}
+     */
     public static Builder named(String name) {
+        return new Builder(Names.requireItemName("item name", name));
+    }
+
+    /** As {@link #named}, of an item that a store kept, with whatever name it was kept. */
+    public static Builder kept(String name) {
         return new Builder(name);
     }
 

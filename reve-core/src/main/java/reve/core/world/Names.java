@@ -35,6 +35,16 @@ final class Names {
         return name;
     }
 
+    /** As {@link #require}, a new name of an item: {@link VisibleText} finds no fault with it. */
+    static String requireItemName(String what, String name) {
+        require(what, name);
+        VisibleText.fault(name).ifPresent(fault -> {
+            throw new IllegalArgumentException(
+                    what + " \"" + VisibleText.escaped(name) + "\" " + fault);
+        });
+        return name;
+    }
+
     /** A name that becomes part of file names, whatever the file system. */
     static String requireWorldName(String name) {
         require("world name", name);

@@ -182,6 +182,15 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public void rename(ItemId id, String newName) {
+        Item item = item(id);
+        if (!newName.equals(item.name())) {
+            Names.requireItemName("new name of " + item, newName);
+        }
+        restoreName(id, newName);
+    }
+
+    /** As {@link #rename}, with whatever name a store kept. */
+    public void restoreName(ItemId id, String newName) {
         guard.requireUnlocked("rename items");
         Item item = item(id);
         String oldName = item.name();

@@ -8,6 +8,8 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
+import java.util.stream.Collectors;
+import java.util.stream.IntStream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -220,6 +222,10 @@ class RepeatTest {
         assertThat(problems("  - {name: 'a{i % 2}', repeat: 3}\n")).containsExactly(
                 "world.yaml:4:12: duplicate item name `a0`, first on line 4");
         assertThat(problems("  - {name: 'a{i}', repeat: {i: 1000000, j: 1000000, k: 1000000}}\n"))
+                .containsExactly("world.yaml:4:5: more than 1000000 items with their repetitions");
+        assertThat(problems("  - {name: 'a{i}', repeat: 900000, semantic: {"
+                + IntStream.range(0, 12).mapToObj(n -> "s" + n + ": '{i}'")
+                        .collect(Collectors.joining(", ")) + "}}\n"))
                 .containsExactly("world.yaml:4:5: more than 10000000 values in all items with what "
                         + "they are like and their repetitions");
     }

@@ -134,7 +134,8 @@ class WorldWriterTest {
                         1 + random.nextLong(Forces.MAX_FRAMES))).toList();
         return new WorldDescription(shell.name(), RandomItems.text(random), shell.prototype(),
                 shell.timing(), random.nextLong(1L << 40), shell.laws(), shell.constants(),
-                Optional.empty(), AgentPolicy.none(), List.of(), items, forces);
+                Optional.empty(), AgentPolicy.none(), List.of(), items, forces,
+                List.of());
     }
 
     private double force(WorldDescription world) {

@@ -81,6 +81,16 @@ final class VesperLayouts {
         JAVA_INT.withName("flags"),
         JAVA_INT.withName("reserved")).withName("vesper_property_use");
 
+    static final StructLayout PARAMETER_DESC = MemoryLayout.structLayout(
+        JAVA_INT.withName("struct_size"),
+        JAVA_INT.withName("reserved"),
+        ADDRESS.withName("name"),
+        ADDRESS.withName("doc"),
+        UNIT.withName("unit"),
+        JAVA_DOUBLE.withName("default_value"),
+        JAVA_DOUBLE.withName("minimum"),
+        JAVA_DOUBLE.withName("maximum")).withName("vesper_parameter_desc");
+
     static final StructLayout ENGINE_CONFIG = MemoryLayout.structLayout(
         JAVA_INT.withName("struct_size"),
         JAVA_INT.withName("threads"),
@@ -125,8 +135,8 @@ final class VesperLayouts {
         JAVA_INT.withName("size")).withName("vesper_layout_entry");
 
     private static final List<StructLayout> ALL = List.of(UNIT, ERROR, PARAMETER,
-        PROPERTY_DESCRIPTOR, PROTOTYPE, PROPERTY, PROPERTY_USE, ENGINE_CONFIG, LAW_INFO,
-        LEDGER_ENTRY, LAYOUT_ENTRY);
+        PROPERTY_DESCRIPTOR, PROTOTYPE, PROPERTY, PROPERTY_USE, PARAMETER_DESC, ENGINE_CONFIG,
+        LAW_INFO, LEDGER_ENTRY, LAYOUT_ENTRY);
 
     private VesperLayouts() {
     }

@@ -7,6 +7,7 @@ import static java.lang.foreign.ValueLayout.JAVA_INT;
 import static java.lang.foreign.ValueLayout.JAVA_LONG;
 import static reve.pe.vesper.VesperLayouts.LAW_INFO;
 import static reve.pe.vesper.VesperLayouts.PROPERTY_DESCRIPTOR;
+import static reve.pe.vesper.VesperLayouts.PARAMETER_DESC;
 import static reve.pe.vesper.VesperLayouts.PROPERTY_USE;
 import static reve.pe.vesper.VesperLayouts.PROTOTYPE;
 import static reve.pe.vesper.VesperLayouts.UNIT;
@@ -22,6 +23,7 @@ import java.util.Set;
 import org.jspecify.annotations.Nullable;
 import reve.pe.Access;
 import reve.pe.Phase;
+import reve.pe.LawParameter;
 import reve.pe.PhysicsLaw;
 import reve.pe.PropertyDescriptor;
 import reve.pe.PropertyUse;
@@ -76,13 +78,20 @@ final class VesperPrototypes {
         for (MemorySegment use : array(first, PROPERTY_USE, count)) {
             uses.add(readUse(use));
         }
+        List<LawParameter> parameters = new ArrayList<>();
+        for (MemorySegment parameter : array(info.get(ADDRESS, offset(LAW_INFO, "parameters")),
+                PARAMETER_DESC, info.get(JAVA_INT, offset(LAW_INFO, "parameter_count")))) {
+            parameters.add(new LawParameter(
+                VesperStrings.readAt(parameter, offset(PARAMETER_DESC, "name")),
+                readUnit(parameter.asSlice(offset(PARAMETER_DESC, "unit"), UNIT))));
+        }
         return new PhysicsLaw(info.get(JAVA_INT, offset(LAW_INFO, "library_id")),
             VesperStrings.readAt(info, offset(LAW_INFO, "library")),
             VesperStrings.readAt(info, offset(LAW_INFO, "name")),
             VesperStrings.readAt(info, offset(LAW_INFO, "version")),
             VesperStrings.readAt(info, offset(LAW_INFO, "doc")),
             Phase.values()[info.get(JAVA_INT, offset(LAW_INFO, "phase")) - 1],
-            info.get(JAVA_INT, offset(LAW_INFO, "stages")), uses,
+            info.get(JAVA_INT, offset(LAW_INFO, "stages")), uses, parameters,
             info.get(JAVA_LONG, offset(LAW_INFO, "calls")),
             info.get(JAVA_LONG, offset(LAW_INFO, "nanoseconds")));
     }

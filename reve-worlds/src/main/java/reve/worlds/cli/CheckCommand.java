@@ -35,23 +35,26 @@ public final class CheckCommand implements Callable<Integer> {
     @Override
     public Integer call() throws Exception {
         List<Map<String, Object>> problems = new ArrayList<>();
-        int code = check(problems);
+        List<Map<String, Object>> warnings = new ArrayList<>();
+        int code = check(problems, warnings);
         if (json) {
             Map<String, Object> result = new LinkedHashMap<>();
             result.put("world", world.file().toString());
             result.put("valid", problems.isEmpty());
             result.put("problems", problems);
+            result.put("warnings", warnings);
             Json.print(spec, result);
         }
         return code;
     }
 
-    private int check(List<Map<String, Object>> problems) throws Exception {
+    private int check(List<Map<String, Object>> problems, List<Map<String, Object>> warnings)
+            throws Exception {
         PrintWriter out = spec.commandLine().getOut();
         PrintWriter err = spec.commandLine().getErr();
         WorldDescription description;
         try {
-            description = world.load();
+            description = world.read();
         } catch (WorldFileException invalid) {
             for (Problem problem : invalid.problems()) {
                 problems.add(fields(problem));
@@ -60,6 +63,12 @@ public final class CheckCommand implements Callable<Integer> {
                 }
             }
             return ExitCode.INVALID_WORLD;
+        }
+        for (Problem warning : description.warnings()) {
+            warnings.add(fields(warning));
+            if (!json) {
+                err.println(warning);
+            }
         }
         try (Simulation simulation = new Simulation(description, Pacing.FAST)) {
             if (!json) {

@@ -62,7 +62,7 @@ public final class RunCommand implements Callable<Integer> {
         if (save.isPresent()) {
             save = Optional.of(WritableFile.require(spec, "--save", save.get()));
         }
-        WorldDescription description = world.load();
+        WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing);

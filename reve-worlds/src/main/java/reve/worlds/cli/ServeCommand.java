@@ -167,7 +167,7 @@ public final class ServeCommand implements Callable<Integer> {
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
-            WorldDescription description = world.load();
+            WorldDescription description = world.load(spec.commandLine().getErr());
             if (plans.put(description.name(), plan(description, world.folder())) != null) {
                 throw new ParameterException(spec.commandLine(), "two worlds are called "
                         + description.name()

@@ -59,7 +59,7 @@ public final class SnapshotCommand implements Callable<Integer> {
             throw new ParameterException(spec.commandLine(),
                     "--out " + out + ": pictures are PNG, expected a name that ends in .png");
         }
-        WorldDescription description = world.load();
+        WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--at", at, description.timing());
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
                 Renderer renderer = new Renderer(Product.nativeFolder(),

@@ -1,6 +1,7 @@
 package reve.worlds.cli;
 
 import java.io.IOException;
+import java.io.PrintWriter;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
@@ -35,8 +36,16 @@ final class WorldArgument {
         return parent == null ? Path.of("/") : parent;
     }
 
+    /** As {@link #read}; what is worth a look in the file is said. */
+    WorldDescription load(PrintWriter err) throws IOException, WorldFileException {
+        WorldDescription description = read();
+        description.warnings().forEach(err::println);
+        err.flush();
+        return description;
+    }
+
     /** Reads and checks the file. */
-    WorldDescription load() throws IOException, WorldFileException {
+    WorldDescription read() throws IOException, WorldFileException {
         Path file = file();
         if (!Files.exists(file)) {
             throw new NoSuchFileException("there is no world file " + file

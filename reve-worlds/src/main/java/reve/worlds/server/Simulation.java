@@ -29,6 +29,7 @@ import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
+import reve.pe.Status;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
@@ -153,10 +154,18 @@ public final class Simulation implements AutoCloseable {
     }
 
     private void load(LawReference law) {
+        Status status = Status.INVALID_ARGUMENT;
+        List<String> problems;
         try (PreparedLibrary prepared = engine.prepare(law.name())) {
-            physics.laws().load(0, prepared, law.parameters());
+            int id = physics.laws().load(0, prepared, law.parameters());
+            problems = LawParameters.wrongUnits(law, engine.laws().stream()
+                    .filter(loaded -> loaded.libraryId() == id).toList());
         } catch (PhysicsException refused) {
-            throw new PhysicsException(refused.status(), law.place() + ": " + refused.getMessage());
+            status = refused.status();
+            problems = LawParameters.refused(law, refused, engine);
+        }
+        if (!problems.isEmpty()) {
+            throw new PhysicsException(status, String.join("\n", problems));
         }
     }
 

@@ -1,0 +1,121 @@
+package reve.core.file;
+
+import java.util.List;
+import java.util.Optional;
+import reve.core.access.DeclaredAction;
+import reve.core.access.Effect;
+import reve.core.access.Operand;
+import reve.core.access.Subject;
+import reve.core.world.Action;
+import reve.core.world.Forces;
+import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
+import reve.core.world.WorldPrototype;
+
+/** Checks what the values of an item mean together, once each of them is right. */
+final class BodyCheck {
+    /** Farthest place on an axis [m]; the squares of distances are still numbers. */
+    static final double MAX_PLACE = 1e150;
+    /** Longest time that a force acts [s]; its frames can be counted at every rate. */
+    static final double MAX_FORCE_SECONDS = Forces.MAX_FRAMES / 10_000;
+    /** Part of a moment that rounding may take. */
+    private static final double ROUNDING = 1e-6;
+    private static final String MASS = "mass";
+
+    private final Doubts doubts;
+    private final Problems problems;
+
+    BodyCheck(Doubts doubts, Problems problems) {
+        this.doubts = doubts;
+        this.problems = problems;
+    }
+
+    /** @param node of the item, or of its first repetition */
+    void check(Node node, ItemDefinition item) {
+        if (!item.kind().equals(WorldPrototype.BODY)) {
+            return;
+        }
+        checkPlace(find(node, "physical", "location"), item.location());
+        if (item.material().isPresent() && item.shape() == Shape.none()) {
+            doubts.refuse(find(node, "physical", "material"), "material: the item has no `shape` "
+                    + "that could show it; give it one, or leave the material out", problems);
+        }
+        checkInertia(node, item);
+        for (Action action : item.actions()) {
+            if (action instanceof DeclaredAction declared) {
+                checkEffects(find(node, "access", action.name(), "effects"), declared.effects(),
+                        item);
+            }
+        }
+    }
+
+    /** Whether a place can be worked with; a problem is noted if not. */
+    void checkPlace(Node node, double[] metres) {
+        for (double coordinate : metres) {
+            if (!(Math.abs(coordinate) <= MAX_PLACE)) {
+                doubts.refuse(node, node.label() + ": " + coordinate + " m is farther than "
+                        + MAX_PLACE + " m from the origin; distances to it would not be numbers",
+                        problems);
+                return;
+            }
+        }
+    }
+
+    /** Of a solid, no principal moment is larger than the sum of the others; 0 is locked. */
+    private void checkInertia(Node node, ItemDefinition item) {
+        Optional<double[]> given = item.physics("inertia");
+        if (given.isEmpty()) {
+            return;
+        }
+        double[] moments = given.get();
+        for (int axis = 0; axis < 3; axis++) {
+            double a = moments[(axis + 1) % 3];
+            double b = moments[(axis + 2) % 3];
+            if (a > 0 && b > 0 && moments[axis] - a - b > ROUNDING * moments[axis]) {
+                doubts.refuse(find(node, "physics", "inertia"), "inertia: no body has moments of "
+                        + moments[0] + ", " + moments[1] + " and " + moments[2]
+                        + " kg*m^2; expected none larger than the sum of the two others", problems);
+                return;
+            }
+        }
+    }
+
+    private void checkEffects(Node nodes, List<Effect> effects, ItemDefinition item) {
+        boolean moves = item.parent().isEmpty() && item.physics(MASS)
+                .filter(mass -> mass[0] > 0).isPresent();
+        boolean getsMass = effects.stream().anyMatch(effect -> effect instanceof Effect.SetProperty
+                && effect.changes().equals("physics." + MASS));
+        for (int i = 0; i < effects.size(); i++) {
+            Node node = nodes.get(i).orElse(nodes);
+            Effect effect = effects.get(i);
+            if (effect instanceof Effect.Force force && force.seconds() > MAX_FORCE_SECONDS) {
+                Node time = node.get("for").orElse(node);
+                doubts.refuse(time, "for: found " + force.seconds() + " s, expected at most "
+                        + MAX_FORCE_SECONDS + " s", problems);
+            }
+            if (effect instanceof Effect.SetLocation place
+                    && place.to() instanceof Operand.Numbers numbers) {
+                checkPlace(node.get("to").orElse(node), numbers.values());
+            }
+            if ((effect instanceof Effect.Force || effect instanceof Effect.Impulse) && !moves
+                    && !getsMass && item.hasPhysics() && effect.of().equals(Subject.ITEM)) {
+                Node push = node.get("force").or(() -> node.get("impulse")).orElse(node);
+                doubts.warn(push, push.label() + ": moves nothing as long as the item has "
+                        + "mass 0", problems);
+            }
+        }
+    }
+
+    /** The value under keys within each other; that of the innermost mapping that has them. */
+    private static Node find(Node node, String... keys) {
+        Node found = node;
+        for (String key : keys) {
+            Optional<Node> next = found.get(key);
+            if (next.isEmpty()) {
+                return found;
+            }
+            found = next.get();
+        }
+        return found;
+    }
+}

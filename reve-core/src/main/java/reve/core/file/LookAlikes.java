@@ -1,0 +1,96 @@
+package reve.core.file;
+
+import com.ibm.icu.text.SpoofChecker;
+import java.lang.Character.UnicodeScript;
+import java.nio.charset.CharsetEncoder;
+import java.nio.charset.StandardCharsets;
+import java.util.Collection;
+import java.util.EnumSet;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Set;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/**
+ * Warns of names that look like others, by the skeletons of UTS 39. Names of ASCII characters are
+ * taken as they are; ICU is loaded only for a world that has other ones.
+ */
+final class LookAlikes {
+    private static final Pattern WORD = Pattern.compile("[\\p{L}\\p{M}]+");
+
+    private final Problems problems;
+    private final CharsetEncoder ascii = StandardCharsets.US_ASCII.newEncoder();
+    private final SpoofChecker checker = new SpoofChecker.Builder()
+            .setChecks(SpoofChecker.CONFUSABLE).build();
+
+    private LookAlikes(Problems problems) {
+        this.problems = problems;
+    }
+
+    /** @param names texts, all different, in the order of the file */
+    static void warn(Collection<Node> names, Problems problems) {
+        CharsetEncoder ascii = StandardCharsets.US_ASCII.newEncoder();
+        List<Node> others = names.stream().filter(name -> !ascii.canEncode(text(name))).toList();
+        if (!others.isEmpty()) {
+            new LookAlikes(problems).warn(names, others);
+        }
+    }
+
+    private void warn(Collection<Node> names, List<Node> others) {
+        Map<String, Node> bySkeleton = new HashMap<>();
+        boolean likeAscii = false;
+        for (Node name : others) {
+            String skeleton = checker.getSkeleton(text(name));
+            likeAscii |= ascii.canEncode(skeleton);
+            Node first = bySkeleton.putIfAbsent(skeleton, name);
+            if (first != null) {
+                warn(name, first);
+            } else {
+                warnOfMixedWords(name);
+            }
+        }
+        if (likeAscii) {
+            for (Node name : names) {
+                Node other = ascii.canEncode(text(name))
+                        ? bySkeleton.get(checker.getSkeleton(text(name))) : null;
+                if (other != null) {
+                    warn(other, name);
+                }
+            }
+        }
+    }
+
+    private void warn(Node name, Node other) {
+        problems.warn(name, "name: `" + Node.shorten(text(name)) + "` looks like `"
+                + Node.shorten(text(other)) + "` " + Problems.place(other, name)
+                + ", but has other characters; write them alike or choose another name");
+    }
+
+    /** A word that looks like one of ASCII letters, and is of letters of several scripts. */
+    private void warnOfMixedWords(Node name) {
+        Matcher word = WORD.matcher(text(name));
+        while (word.find()) {
+            if (scripts(word.group()).size() > 1) {
+                String skeleton = checker.getSkeleton(word.group());
+                if (ascii.canEncode(skeleton)) {
+                    problems.warn(name, "name: `" + Node.shorten(word.group()) + "` looks like `"
+                            + Node.shorten(skeleton) + "`, but mixes letters of "
+                            + "several scripts; write it in one");
+                }
+            }
+        }
+    }
+
+    private static Set<UnicodeScript> scripts(String word) {
+        Set<UnicodeScript> scripts = EnumSet.noneOf(UnicodeScript.class);
+        word.codePoints().mapToObj(UnicodeScript::of).forEach(scripts::add);
+        scripts.removeAll(EnumSet.of(UnicodeScript.COMMON, UnicodeScript.INHERITED));
+        return scripts;
+    }
+
+    private static String text(Node name) {
+        return name.text().orElseThrow();
+    }
+}

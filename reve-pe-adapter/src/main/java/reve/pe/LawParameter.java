@@ -1,0 +1,8 @@
+package reve.pe;
+
+/**
+ * A parameter that a law declares.
+ *
+ * @param unit that the law takes it in
+ */
+public record LawParameter(String name, SiUnit unit) {}
