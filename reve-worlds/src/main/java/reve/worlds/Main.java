@@ -15,6 +15,7 @@ import reve.worlds.cli.CheckCommand;
 import reve.worlds.cli.ControlCommand;
 import reve.worlds.cli.DemoCommand;
 import reve.worlds.cli.ExitCode;
+import reve.worlds.cli.LinePrinter;
 import reve.worlds.cli.ReplayCommand;
 import reve.worlds.cli.RunCommand;
 import reve.worlds.cli.ServeCommand;
@@ -80,6 +81,8 @@ public final class Main {
         CommandLine line = new CommandLine(new Main());
         String name = System.getProperty("reve.name", CHECKOUT);
         line.setCommandName(name);
+        line.setOut(new LinePrinter(System.out));
+        line.setErr(new LinePrinter(System.err));
         UsageMessageSpec usage = line.getCommandSpec().usageMessage();
         List<String> launcher = name.equals(CHECKOUT) ? LAUNCHER : INSTALLED;
         usage.footer(Stream.concat(launcher.stream(), Stream.of(usage.footer()))
@@ -98,7 +101,7 @@ public final class Main {
     private static int explainUsage(ParameterException wrong, String... arguments) {
         CommandLine line = wrong.getCommandLine();
         PrintWriter err = line.getErr();
-        err.println("reve: " + wrong.getMessage());
+        LinePrinter.message(err, "reve: " + wrong.getMessage());
         UnmatchedArgumentException.printSuggestions(wrong, err);
         err.println("`" + line.getCommandSpec().qualifiedName() + " --help` says more");
         err.flush();
@@ -111,7 +114,7 @@ public final class Main {
         PrintWriter err = line.getErr();
         int code = ExitCode.of(failure);
         String message = failure.getMessage() == null ? failure.toString() : failure.getMessage();
-        err.println("reve: " + message);
+        LinePrinter.message(err, "reve: " + message);
         if (code == ExitCode.FAILURE && !(failure instanceof PhysicsException)
                 && Boolean.getBoolean("reve.debug")) {
             failure.printStackTrace(err);

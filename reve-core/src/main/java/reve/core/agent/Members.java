@@ -12,6 +12,7 @@ import java.util.TreeMap;
 import java.util.TreeSet;
 import java.util.stream.Collectors;
 import reve.core.file.AgentPolicy;
+import reve.core.text.Visible;
 import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
@@ -104,7 +105,7 @@ public final class Members {
         } catch (ActionRefused e) {
             return e.code().equals(ACTION_FAILED) ? new Outcome.Failed(frame, e)
                     : new Outcome.Refused(frame, e.code(),
-                            Text.visible(String.valueOf(e.getMessage())), Optional.empty());
+                            Visible.line(String.valueOf(e.getMessage())), Optional.empty());
         } catch (RuntimeException e) {
             return new Outcome.Failed(frame, e);
         }

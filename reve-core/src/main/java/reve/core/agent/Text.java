@@ -3,6 +3,7 @@ package reve.core.agent;
 import java.nio.ByteBuffer;
 import java.nio.charset.CharacterCodingException;
 import java.nio.charset.StandardCharsets;
+import reve.core.text.Visible;
 
 /** Makes foreign text safe to show in messages and logs. */
 final class Text {
@@ -30,7 +31,7 @@ final class Text {
             if (c == '"' || c == '\\') {
                 out.append('\\');
             }
-            append(out, c);
+            Visible.append(out, c);
         });
         return out.append(isLong(text) ? "…\"" : "\"").toString();
     }
@@ -41,38 +42,11 @@ final class Text {
      */
     static String show(String value) {
         var out = new StringBuilder(value.length());
-        value.codePoints().limit(SHOWN).forEach(c -> append(out, c));
+        value.codePoints().limit(SHOWN).forEach(c -> Visible.append(out, c));
         return out.append(isLong(value) ? "…" : "").toString();
-    }
-
-    /**
-     * All of a message that may hold what a client sent, with what is not plainly visible escaped.
-     */
-    static String visible(String message) {
-        var out = new StringBuilder(message.length());
-        message.codePoints().forEach(c -> append(out, c));
-        return out.toString();
     }
 
     private static boolean isLong(String text) {
         return text.codePointCount(0, text.length()) > SHOWN;
-    }
-
-    private static void append(StringBuilder out, int c) {
-        if (isVisible(c)) {
-            out.appendCodePoint(c);
-        } else {
-            out.append("\\u{").append(Integer.toHexString(c)).append('}');
-        }
-    }
-
-    /** Control characters could forge log lines; format characters reorder or hide text. */
-    private static boolean isVisible(int c) {
-        return c == ' ' || switch (Character.getType(c)) {
-            case Character.CONTROL, Character.FORMAT, Character.SURROGATE, Character.PRIVATE_USE,
-                    Character.UNASSIGNED, Character.LINE_SEPARATOR, Character.PARAGRAPH_SEPARATOR,
-                    Character.SPACE_SEPARATOR -> false;
-            default -> true;
-        };
     }
 }

@@ -80,7 +80,7 @@ public final class CheckCommand implements Callable<Integer> {
             refused.getMessage().lines()
                     .forEach(message -> problems.add(Map.of("message", message)));
             if (!json) {
-                err.println(refused.getMessage());
+                LinePrinter.message(err, refused.getMessage());
             }
             return ExitCode.PHYSICS;
         }

@@ -3,6 +3,7 @@ package reve.worlds.cli;
 import java.io.PrintWriter;
 import java.util.Map;
 import picocli.CommandLine.Model.CommandSpec;
+import reve.core.text.Visible;
 import tools.jackson.databind.json.JsonMapper;
 
 /** Results as JSON on standard output, for programs. */
@@ -13,13 +14,14 @@ public final class Json {
 
     /** One line, without its end. */
     public static String line(Map<String, ?> fields) {
-        return MAPPER.writeValueAsString(fields);
+        return Visible.json(MAPPER.writeValueAsString(fields));
     }
 
     /** One document on the command's standard output. */
     static void print(CommandSpec spec, Map<String, ?> fields) {
         PrintWriter out = spec.commandLine().getOut();
-        out.println(MAPPER.writerWithDefaultPrettyPrinter().writeValueAsString(fields));
+        out.print(Visible.json(MAPPER.writerWithDefaultPrettyPrinter().writeValueAsString(fields))
+                + System.lineSeparator());
         out.flush();
     }
 }

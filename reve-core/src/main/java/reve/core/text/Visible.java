@@ -1,0 +1,80 @@
+package reve.core.text;
+
+import java.util.Locale;
+
+/**
+ * Escapes foreign text for terminals, logs and messages: control characters forge lines or command
+ * the terminal, bidirectional controls reorder a line, and other characters show nothing. Letters,
+ * marks, digits and signs of all scripts stay as they are, with the joiners that scripts need.
+ */
+public final class Visible {
+
+    private static final int JOINER = 0x200d;
+    private static final int NON_JOINER = 0x200c;
+    private static final int LAST_ASCII = 0x7e;
+
+    private Visible() {}
+
+    /** Returns the text as one line; a backslash and {@code u{HEX}} stand for an unsafe character. */
+    public static String line(String text) {
+        return isSafe(text, ' ') ? text : escaped(text);
+    }
+
+    private static String escaped(String text) {
+        var out = new StringBuilder(text.length() + 16);
+        text.codePoints().forEach(c -> append(out, c));
+        return out.toString();
+    }
+
+    /** Appends one character, escaped unless it is safe. */
+    public static void append(StringBuilder out, int codePoint) {
+        if (isSafe(codePoint)) {
+            out.appendCodePoint(codePoint);
+        } else {
+            out.append("\\u{").append(Integer.toHexString(codePoint)).append('}');
+        }
+    }
+
+    /**
+     * Returns the same JSON document with JSON's own escapes for unsafe characters beyond ASCII,
+     * which occur in strings only. Those within ASCII are escaped by every writer of JSON.
+     */
+    public static String json(String document) {
+        if (isSafe(document, '\n')) {
+            return document;
+        }
+        var out = new StringBuilder(document.length() + 16);
+        document.codePoints().forEach(c -> {
+            if (c <= LAST_ASCII || isSafe(c)) {
+                out.appendCodePoint(c);
+            } else {
+                for (char unit : Character.toChars(c)) {
+                    out.append(String.format(Locale.ROOT, "\\u%04x", (int) unit));
+                }
+            }
+        });
+        return out.toString();
+    }
+
+    /** @param least the first ASCII character that needs no look */
+    private static boolean isSafe(String text, int least) {
+        for (int i = 0; i < text.length(); i++) {
+            char c = text.charAt(i);
+            if ((c < least || c > LAST_ASCII) && !isSafe(c)) {
+                return false; // perhaps one half of a safe character
+            }
+        }
+        return true;
+    }
+
+    private static boolean isSafe(int codePoint) {
+        return switch (Character.getType(codePoint)) {
+            case Character.CONTROL, Character.SURROGATE, Character.PRIVATE_USE,
+                    Character.UNASSIGNED, Character.LINE_SEPARATOR,
+                    Character.PARAGRAPH_SEPARATOR -> false;
+            case Character.SPACE_SEPARATOR -> codePoint == ' ';
+            case Character.FORMAT -> codePoint == JOINER || codePoint == NON_JOINER;
+            default -> true;
+        };
+    }
+}

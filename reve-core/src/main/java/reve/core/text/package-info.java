@@ -1,0 +1,5 @@
+/** Foreign text, made safe to show. */
+@NullMarked
+package reve.core.text;
+
+import org.jspecify.annotations.NullMarked;
