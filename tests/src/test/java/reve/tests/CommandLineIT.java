@@ -69,7 +69,7 @@ class CommandLineIT {
     @Test
     void foldersThatServeIsToldAreMadeButNotWhatTheyAreIn() throws Exception {
         Path folders = folder.resolve("new");
-        String[] options = {"--snapshots", "--saves", "--laws"};
+        String[] options = {"--snapshots", "--saves"};
         for (String option : options) {
             Outcome outcome = serveWith(option, folders.resolve("within"));
             assertThat(outcome.code()).as(option).isEqualTo(2);

@@ -9,7 +9,7 @@ import reve.core.unit.Unit;
 /**
  * A physics law that a world asks for.
  *
- * @param name as the engine looks it up: {@code hooke_spring}
+ * @param name of its library, never a path: {@code hooke_spring}
  * @param parameters values [coherent SI units] by parameter name, in the order of the file
  * @param place where it is asked for, as {@code file:line:column}, for messages
  * @param mentions how a file says the parameters, by their names; empty if no file does

@@ -50,6 +50,12 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
                 Optional.empty(), AgentPolicy.none(), List.of(), List.of(), List.of(), List.of());
     }
 
+    /** The same world with other laws. */
+    public WorldDescription withLaws(List<LawReference> others) {
+        return new WorldDescription(name, doc, prototype, timing, age, others, constants, camera,
+                agents, rules, items, forces);
+    }
+
     /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */
     public World build(ColumnArena arena) {
         World world = new World(name, prototype, arena);

@@ -43,7 +43,9 @@ class WorldFileProblemsTest {
             laws: [{name: a, parameters: {x: [1]}}]! 34 ! x: found a list of 1, expected a number or a text
             laws: [{name: a, parameters: {x: 3 q}}]! 34 ! x: unit `q`: `q` is not a unit that is known here
             laws: [{name: a, parameters: {x: 1 2}}]! 34 ! x: found 2 numbers, expected one
-            laws: [' ']                           ! 8  ! laws[0]: found text ` `, expected a text that is not blank and holds no control characters
+            laws: [' ']                           ! 8  ! laws[0]: found text ` `, expected the name of a law: letters, digits, `_` and `-`, never a path
+            laws: [./evil.so]                     ! 8  ! laws[0]: found text `./evil.so`, expected the name of a law: letters, digits, `_` and `-`, never a path
+            laws: [{name: ../x/libvesper_law_y.so}] ! 15 ! name: found text `../x/libvesper_law_y.so`, expected the name of a law: letters, digits, `_` and `-`, never a path
             constants: {gravity: 3}               ! 22 ! gravity: found 1 number, expected 3 numbers in m/s^2
             constants: {gravty: 3}                ! 13 ! unknown physics property `gravty` of kind world; did you mean `gravity`?
             constants: {softening: -2 cm}         ! 24 ! softening: found -0.02, expected 0 or more [m]

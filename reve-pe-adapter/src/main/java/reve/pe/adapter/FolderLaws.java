@@ -116,11 +116,11 @@ final class FolderLaws implements AutoCloseable {
         }
     }
 
-    /** Takes charge of the same library where it acts already: a resumed world brought it along. */
+    /** Takes charge of the same library where it acts already: resumed, or named by the world. */
     private boolean adopted(String name, PreparedLibrary library, PreparedLibrary spare) {
         Set<Integer> owned = byName.values().stream().map(ActiveFile::libraryId)
             .collect(Collectors.toSet());
-        Optional<Integer> free = laws.restored(library.sha256()).stream()
+        Optional<Integer> free = laws.forFolder(library.sha256()).stream()
             .filter(id -> !owned.contains(id)).findFirst();
         free.ifPresent(id -> {
             byName.put(name, new ActiveFile(id, library.sha256(), spare, library.bytes()));

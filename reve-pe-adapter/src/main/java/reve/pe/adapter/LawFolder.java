@@ -83,7 +83,7 @@ public final class LawFolder implements AutoCloseable {
      * @throws IllegalArgumentException if the path is no folder, or everybody may write to it
      */
     public LawFolder(Path folder, PhysicsEngine engine, Laws laws, CommandQueue commands) {
-        this.folder = checkFolder(folder);
+        this.folder = require(folder);
         this.engine = engine;
         this.commands = commands;
         this.active = new FolderLaws(laws);
@@ -281,7 +281,12 @@ public final class LawFolder implements AutoCloseable {
         }
     }
 
-    private static Path checkFolder(Path folder) {
+    /**
+     * Requires that law libraries may be taken from a folder, and returns its absolute path.
+     *
+     * @throws IllegalArgumentException if the path is no folder, or everybody may write to it
+     */
+    public static Path require(Path folder) {
         if (!Files.isDirectory(folder)) {
             throw new IllegalArgumentException(
                 "laws folder " + folder + " is not a folder; create it, or name another");

@@ -26,7 +26,8 @@ public final class Laws {
     private final World world;
     private final PhysicsEngine engine;
     private final Map<Integer, LawLibrary> loaded = new LinkedHashMap<>();
-    private final Set<Integer> restored = new HashSet<>();
+    /** Libraries that a laws folder takes charge of if it has their bytes. */
+    private final Set<Integer> forFolder = new HashSet<>();
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
     private final List<Consumer<LawChange>> listeners = new ArrayList<>();
     private long version;
@@ -114,11 +115,19 @@ public final class Laws {
         return List.copyOf(loaded.values());
     }
 
-    /** Ids of the loaded libraries with these bytes that came with an image or a journal. */
-    List<Integer> restored(String sha256) {
+    /**
+     * Lets a laws folder take charge of a loaded library whose bytes it has: its file is not loaded
+     * once more, and the library is unloaded when the file goes.
+     */
+    public void leaveToFolder(int libraryId) {
+        forFolder.add(libraryId);
+    }
+
+    /** Ids of the loaded libraries with these bytes that a laws folder may take charge of. */
+    List<Integer> forFolder(String sha256) {
         return loaded.entrySet().stream()
             .filter(library -> library.getValue().sha256().equals(sha256))
-            .map(Map.Entry::getKey).filter(restored::contains).toList();
+            .map(Map.Entry::getKey).filter(forFolder::contains).toList();
     }
 
     /** Tells a listener of every change from now on. */
@@ -146,7 +155,7 @@ public final class Laws {
         switch (change) {
             case LawChange.Loaded added -> {
                 try (PreparedLibrary prepared = engine.prepare(added.library().bytes())) {
-                    restored.add(load(frame, prepared, added.library().parameters()));
+                    leaveToFolder(load(frame, prepared, added.library().parameters()));
                 }
             }
             case LawChange.Unloaded gone -> unload(frame, idAt(gone.place()));
@@ -228,7 +237,7 @@ public final class Laws {
         engine.unloadPhysicsLaw(libraryId);
         int place = List.copyOf(loaded.keySet()).indexOf(libraryId);
         loaded.remove(libraryId);
-        restored.remove(libraryId);
+        forFolder.remove(libraryId);
         version++;
         return place;
     }

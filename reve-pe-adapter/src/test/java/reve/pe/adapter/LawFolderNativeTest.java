@@ -96,6 +96,21 @@ class LawFolderNativeTest {
     }
 
     @Test
+    void aLawThatTheWorldLoadedFromTheFolderBelongsToItsFile() throws IOException {
+        Path file = drop("wind", "wind.so");
+        try (PreparedLibrary wind = engine.prepare(file)) {
+            world.adapter.laws().leaveToFolder(
+                world.adapter.laws().load(0, wind, Map.of("force", 2.0)));
+        }
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion", "wind");
+        assertThat(world.events("fault")).isEmpty();
+        Files.delete(file);
+        lookAndRun(2);
+        assertThat(loaded()).containsExactly("newton_motion");
+    }
+
+    @Test
     void aLawThatARestoredWorldBroughtAlongBelongsToItsFileAgain() throws IOException {
         byte[] bytes = Files.readAllBytes(NativeFiles.testLaw("wind"));
         try (PreparedLibrary wind = engine.prepare(bytes)) {

@@ -8,6 +8,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
 import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
@@ -15,6 +16,7 @@ import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
+import reve.pe.PhysicsException;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.RunLog;
 import reve.worlds.server.Replay;
@@ -32,6 +34,9 @@ public final class ReplayCommand implements Callable<Integer> {
     @Parameters(paramLabel = "FILE", description = "What --record wrote.")
     private Path file = Path.of("");
 
+    @Mixin
+    private LawOptions laws = new LawOptions();
+
     @Option(names = "--until", paramLabel = "FRAME", defaultValue = "9223372036854775807",
             description = "Stop when this frame is made (default: at the end).")
     private long until;
@@ -45,7 +50,7 @@ public final class ReplayCommand implements Callable<Integer> {
             throw new ParameterException(spec.commandLine(),
                     "--until is " + until + ", expected a frame from 0 on");
         }
-        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws.path(spec));
                 RunLog.Reader records = RunLog.open(file)) {
             while (records.hasNext() && take(replay, records.next())) {
                 // each record is made as it is read
@@ -66,10 +71,14 @@ public final class ReplayCommand implements Callable<Integer> {
         try {
             return replay.take(record, until);
         } catch (CorruptException meaningless) {
-            String place = replay.frame() < 0 ? "" : ", after frame " + replay.frame();
-            throw new CorruptException(file + place + ": " + meaningless.getMessage(),
-                    meaningless);
+            throw new CorruptException(place(replay) + meaningless.getMessage(), meaningless);
+        } catch (PhysicsException refused) {
+            throw new PhysicsException(refused.status(), place(replay) + refused.getMessage());
         }
+    }
+
+    private String place(Replay replay) {
+        return file + (replay.frame() < 0 ? "" : ", after frame " + replay.frame()) + ": ";
     }
 
     private void report(Replay replay, Simulation simulation, boolean cut) throws IOException {

@@ -17,6 +17,7 @@ import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.RunLog;
+import reve.worlds.server.LawPath;
 import reve.worlds.server.RunReport;
 import reve.worlds.server.Simulation;
 
@@ -29,6 +30,9 @@ public final class RunCommand implements Callable<Integer> {
 
     @Mixin
     private WorldArgument world = new WorldArgument();
+
+    @Mixin
+    private LawOptions laws = new LawOptions();
 
     @Option(names = "--seconds", paramLabel = "S", defaultValue = "5",
             description = "World time to run [s] (default: ${DEFAULT-VALUE}).")
@@ -62,10 +66,11 @@ public final class RunCommand implements Callable<Integer> {
         if (save.isPresent()) {
             save = Optional.of(WritableFile.require(spec, "--save", save.get()));
         }
+        LawPath lawPath = laws.path(spec).forWorld(world.folder());
         WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
-        try (Simulation simulation = new Simulation(description, pacing);
+        try (Simulation simulation = new Simulation(description, pacing, lawPath);
                 Interrupt _ = new Interrupt(simulation.loop()::stop)) {
             simulation.physics().setLedger(ledger);
             RunReport report = recorded(simulation, frames, pacing);

@@ -22,6 +22,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.server.LawPath;
 import reve.worlds.server.Persistence;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.ServerReport;
@@ -52,9 +53,8 @@ public final class ServeCommand implements Callable<Integer> {
     @Mixin
     private ListenOptions listen = new ListenOptions();
 
-    @Option(names = "--laws", paramLabel = "DIR",
-            description = "Folder to watch: law libraries dropped here act, removed ones stop.")
-    private Optional<Path> laws = Optional.empty();
+    @Mixin
+    private LawOptions laws = new LawOptions();
 
     @Option(names = "--seconds", paramLabel = "S",
             description = "Stop after this much world time [s].")
@@ -150,7 +150,7 @@ public final class ServeCommand implements Callable<Integer> {
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json,
                 printed.printed())) {
             WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
-                    agents, laws, watchdog(events), events);
+                    agents, laws.folder(), watchdog(events), events);
             try (Interrupt _ = new Interrupt(server::stop)) {
                 ServerReport report;
                 try (server) {
@@ -164,11 +164,13 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private List<WorldPlan> plans() throws IOException, WorldFileException {
+        LawPath lawPath = laws.path(spec);
         Map<String, WorldPlan> plans = new LinkedHashMap<>();
         for (Path path : paths) {
             WorldArgument world = new WorldArgument(path);
             WorldDescription description = world.load(spec.commandLine().getErr());
-            if (plans.put(description.name(), plan(description, world.folder())) != null) {
+            if (plans.put(description.name(),
+                    plan(description, world.folder(), lawPath)) != null) {
                 throw new ParameterException(spec.commandLine(), "two worlds are called "
                         + description.name()
                         + ", expected different names: agents tell them apart by these");
@@ -181,7 +183,6 @@ public final class ServeCommand implements Callable<Integer> {
     private void makeFolders() throws IOException {
         makeFolder("--snapshots", Optional.of(snapshots));
         makeFolder("--saves", saves);
-        makeFolder("--laws", laws);
         if (paths.size() > 1) {
             makeFolder("--record", record);
             makeFolder("--store", store);
@@ -194,7 +195,7 @@ public final class ServeCommand implements Callable<Integer> {
         }
     }
 
-    private WorldPlan plan(WorldDescription description, Path folder) {
+    private WorldPlan plan(WorldDescription description, Path folder, LawPath lawPath) {
         List<Long> pictureFrames = new ArrayList<>();
         for (double time : snapshotAt) {
             pictureFrames.add(Frames.of(spec, "--snapshot-at", time, description.timing()));
@@ -203,7 +204,7 @@ public final class ServeCommand implements Callable<Integer> {
                 Frames.of(spec, "--seconds", seconds, description.timing()),
                 new Persistence(folder, fileOf(record, description.name() + ".log"),
                         fileOf(store, description.name() + ".db"), saves, storeEvery, durability),
-                new Pictures(snapshots, pictureFrames));
+                new Pictures(snapshots, pictureFrames), lawPath.forWorld(folder));
     }
 
     /** The file of one world: that named or, of several worlds, one in the folder named. */

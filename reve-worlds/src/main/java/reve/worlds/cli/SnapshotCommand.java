@@ -23,6 +23,7 @@ import reve.worlds.Product;
 import reve.worlds.render.ImageFormat;
 import reve.worlds.render.Renderer;
 import reve.worlds.render.Scene;
+import reve.worlds.server.LawPath;
 import reve.worlds.server.Pictures;
 import reve.worlds.server.Simulation;
 
@@ -35,6 +36,9 @@ public final class SnapshotCommand implements Callable<Integer> {
 
     @Mixin
     private WorldArgument world = new WorldArgument();
+
+    @Mixin
+    private LawOptions laws = new LawOptions();
 
     @Option(names = "--at", paramLabel = "S", defaultValue = "0",
             description = "World time of the picture [s] (default: ${DEFAULT-VALUE}).")
@@ -59,9 +63,10 @@ public final class SnapshotCommand implements Callable<Integer> {
             throw new ParameterException(spec.commandLine(),
                     "--out " + out + ": pictures are PNG, expected a name that ends in .png");
         }
+        LawPath lawPath = laws.path(spec).forWorld(world.folder());
         WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--at", at, description.timing());
-        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+        try (Simulation simulation = new Simulation(description, Pacing.FAST, lawPath);
                 Renderer renderer = new Renderer(Product.nativeFolder(),
                         Renderer.DEFAULT_DEADLINE)) {
             Progress progress = new Progress(System.err, frames);

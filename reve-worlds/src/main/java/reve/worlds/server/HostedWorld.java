@@ -49,7 +49,7 @@ final class HostedWorld implements AutoCloseable {
             stored = openStore(pacing);
             stored.ifPresent(world -> closing.add(world.store()));
             simulation = closing.add(stored.map(StoredWorld::simulation)
-                    .orElseGet(() -> new Simulation(plan.description(), pacing)));
+                    .orElseGet(() -> new Simulation(plan.description(), pacing, plan.laws())));
             closing.add(plan.pictures());
             laws = lawsFolder.map(folder -> closing.add(new LawFolder(folder, simulation.engine(),
                     simulation.physics().laws(), simulation.commands()))).orElse(null);
@@ -70,7 +70,8 @@ final class HostedWorld implements AutoCloseable {
         Persistence persistence = plan.persistence();
         return persistence.store().isEmpty() ? Optional.empty()
                 : Optional.of(StoredWorld.open(persistence.store().get(), persistence.durability(),
-                        plan.description(), pacing, problem -> tellProblem("store", problem)));
+                        plan.description(), pacing, plan.laws(),
+                        problem -> tellProblem("store", problem)));
     }
 
     /** Last, so that they see what everybody else did in ACT. */

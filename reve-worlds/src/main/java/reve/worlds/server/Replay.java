@@ -38,6 +38,7 @@ import tools.jackson.databind.JsonNode;
 public final class Replay implements AutoCloseable {
     private final Optional<WorldDescription> wanted;
     private final Pacing pacing;
+    private final LawPath laws;
     private final Map<String, byte[]> libraries = new HashMap<>();
     private final List<Subscription> subscriptions = new ArrayList<>();
     private final List<LawChange> lawChanges = new ArrayList<>();
@@ -73,12 +74,19 @@ public final class Replay implements AutoCloseable {
         }
     }
 
+    /** The same of a journal of laws that ship. */
+    public Replay(Optional<WorldDescription> description, Pacing pacing) {
+        this(description, pacing, LawPath.ofShipped());
+    }
+
     /**
      * @param description of the world, to go on with it later; without, what the journal says
+     * @param laws says which of the journal's law libraries may be opened
      */
-    public Replay(Optional<WorldDescription> description, Pacing pacing) {
+    public Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws) {
         this.wanted = description;
         this.pacing = pacing;
+        this.laws = laws;
     }
 
     /**
@@ -87,7 +95,7 @@ public final class Replay implements AutoCloseable {
      * @return false from the first difference on
      * @throws CorruptException if the record has no meaning, or the journal does not begin with an
      *     image
-     * @throws PhysicsException if a law library does not load
+     * @throws PhysicsException if a law library may not be opened, or does not load
      */
     public boolean take(JournalRecord record) {
         return take(record, Long.MAX_VALUE);
@@ -168,6 +176,7 @@ public final class Replay implements AutoCloseable {
             images = new ImageCodec(stored.header());
         }
         try (SimulationImage image = images.read(stored, libraries::get)) {
+            image.physics().libraries().forEach(laws::requireKnown);
             if (simulation == null) {
                 begin(stored.header(), image);
             } else {
@@ -180,7 +189,7 @@ public final class Replay implements AutoCloseable {
     private void begin(WorldHeader header, SimulationImage image) {
         WorldDescription description = wanted.orElseGet(() -> description(header));
         requireSame(header, description);
-        Simulation made = new Simulation(description, pacing, image);
+        Simulation made = new Simulation(description, pacing, laws, image);
         simulation = made;
         digest = new WorldDigest(made.world());
         codec = new FrameCodec(header, digest.size());
@@ -256,6 +265,9 @@ public final class Replay implements AutoCloseable {
                 compare(input(), "before");
             }
             for (LawChange change : FrameCodec.laws(input(), libraries::get)) {
+                if (change instanceof LawChange.Loaded loaded) {
+                    laws.requireKnown(loaded.library());
+                }
                 made().physics().laws().apply(event.frame(), change);
             }
             lawChanges.clear();

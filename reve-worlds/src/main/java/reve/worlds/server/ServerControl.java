@@ -62,7 +62,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
                     "\"" + library + "\" is no name of a library: letters, digits and _ only");
         }
         try {
-            return new Load(simulation.engine().prepare(library), parameters);
+            return new Load(simulation.prepare(library), parameters);
         } catch (PhysicsException failed) {
             LOG.error("the law library {} was asked for and refused", library, failed);
             throw new ActionRefused("law-refused", "the library \"" + library + "\" is refused: "
@@ -89,7 +89,7 @@ final class ServerControl implements WorldControl, AutoCloseable {
     @Override
     public synchronized Image beginning() {
         if (beginning == null) {
-            beginning = Simulation.beginning(simulation.description());
+            beginning = simulation.beginning();
         }
         return new Kept(beginning);
     }

@@ -35,7 +35,6 @@ import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
 import reve.pe.vesper.VesperConfig;
 import reve.pe.vesper.VesperEngine;
-import reve.worlds.Product;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SimulationImage;
@@ -53,6 +52,7 @@ public final class Simulation implements AutoCloseable {
     private static final long MAX_IMAGE_BYTES = 1L << 30;
 
     private final WorldDescription description;
+    private final LawPath lawPath;
     private final Closing closing = new Closing();
     private final World world;
     private final FrameBus bus = new FrameBus();
@@ -66,14 +66,20 @@ public final class Simulation implements AutoCloseable {
     private final Set<SimulationImage> kept = ConcurrentHashMap.newKeySet();
     private long snapshotNanoseconds;
 
+    /** The same of a world of laws that ship. */
+    public Simulation(WorldDescription description, Pacing pacing) {
+        this(description, pacing, LawPath.ofShipped());
+    }
+
     /**
      * Builds the world and loads its laws.
      *
+     * @param lawPath where they are found
      * @throws PhysicsException if laws do not load or fit: of each, a line that names its place in
      *     the world file
      */
-    public Simulation(WorldDescription description, Pacing pacing) {
-        this(description, pacing, Optional.empty());
+    public Simulation(WorldDescription description, Pacing pacing, LawPath lawPath) {
+        this(description, pacing, lawPath, Optional.empty());
     }
 
     /**
@@ -81,16 +87,20 @@ public final class Simulation implements AutoCloseable {
      * would whose image it is.
      *
      * @param description what that simulation was made from
+     * @param lawPath where laws are found that are loaded later; those of the image are opened
+     *     without a question
      * @throws IllegalArgumentException if the image is of a world with another prototype
      * @throws PhysicsException if a law of the image does not load
      */
-    public Simulation(WorldDescription description, Pacing pacing, SimulationImage image) {
-        this(description, pacing, Optional.of(image));
+    public Simulation(WorldDescription description, Pacing pacing, LawPath lawPath,
+            SimulationImage image) {
+        this(description, pacing, lawPath, Optional.of(image));
     }
 
-    private Simulation(WorldDescription description, Pacing pacing,
+    private Simulation(WorldDescription description, Pacing pacing, LawPath lawPath,
             Optional<SimulationImage> image) {
         this.description = description;
+        this.lawPath = lawPath;
         closing.add(() -> Set.copyOf(kept).forEach(SimulationImage::close));
         try {
             SharedArena arena = closing.add(new SharedArena());
@@ -116,7 +126,7 @@ public final class Simulation implements AutoCloseable {
     }
 
     private static VesperConfig config() {
-        return new VesperConfig(1, false, List.of(Product.nativeFolder().resolve("laws")),
+        return new VesperConfig(1, false, List.of(LawPath.ofShipped().shipped()),
                 Simulation::log);
     }
 
@@ -156,10 +166,17 @@ public final class Simulation implements AutoCloseable {
     private void load(LawReference law) {
         Status status = Status.INVALID_ARGUMENT;
         List<String> problems;
-        try (PreparedLibrary prepared = engine.prepare(law.name())) {
-            int id = physics.laws().load(0, prepared, law.parameters());
-            problems = LawParameters.wrongUnits(law, engine.laws().stream()
-                    .filter(loaded -> loaded.libraryId() == id).toList());
+        try {
+            LawPath.Found found = lawPath.find(law.name());
+            lawPath.hidden(law.name(), found).ifPresent(LOG::warn);
+            try (PreparedLibrary prepared = lawPath.prepare(engine, law.name(), found)) {
+                int id = physics.laws().load(0, prepared, law.parameters());
+                if (found.origin() == LawPath.Origin.FOLDER) {
+                    physics.laws().leaveToFolder(id);
+                }
+                problems = LawParameters.wrongUnits(law, engine.laws().stream()
+                        .filter(loaded -> loaded.libraryId() == id).toList());
+            }
         } catch (PhysicsException refused) {
             status = refused.status();
             problems = LawParameters.refused(law, refused, engine);
@@ -167,6 +184,15 @@ public final class Simulation implements AutoCloseable {
         if (!problems.isEmpty()) {
             throw new PhysicsException(status, String.join("\n", problems));
         }
+    }
+
+    /**
+     * Opens the library of a law by its name. Any thread.
+     *
+     * @throws PhysicsException if there is none, or it may not be opened
+     */
+    PreparedLibrary prepare(String law) {
+        return lawPath.prepare(engine, law, lawPath.find(law));
     }
 
     private void publish(FrameEvent frame) {
@@ -280,8 +306,8 @@ public final class Simulation implements AutoCloseable {
     }
 
     /** The world as its description has it, before anything happened. Any thread; close it. */
-    public static SimulationImage beginning(WorldDescription description) {
-        try (Simulation begun = new Simulation(description, Pacing.FAST)) {
+    SimulationImage beginning() {
+        try (Simulation begun = new Simulation(description, Pacing.FAST, lawPath)) {
             begun.loop().run(0);
             SimulationImage image = new SimulationImage(begun.world());
             image.copyFrom(begun.world(), begun.physics(), 0);
@@ -294,7 +320,7 @@ public final class Simulation implements AutoCloseable {
      * happen if? Any thread; the caller runs its loop, reads its snapshots and closes it.
      */
     public Simulation fork(SimulationImage image) {
-        return new Simulation(description, Pacing.FAST, image);
+        return new Simulation(description, Pacing.FAST, lawPath, image);
     }
 
     /**

@@ -14,6 +14,7 @@ import reve.core.world.Item;
 import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
+import reve.pe.PhysicsException;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.SqliteStore;
 
@@ -26,20 +27,22 @@ import reve.worlds.journal.SqliteStore;
 record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
 
     /**
+     * @param laws where the world's laws are found, and which of the store's may be opened
      * @param problems told of what is damaged and was passed over
      * @throws IOException if the store cannot be opened or read
+     * @throws PhysicsException if a law of the store may not be opened, or does not load
      * @throws CorruptException if it is no store, or of another world, or no image can be read
      */
     static StoredWorld open(Path file, SqliteStore.Durability durability,
-            WorldDescription description, Pacing pacing, Consumer<String> problems)
+            WorldDescription description, Pacing pacing, LawPath laws, Consumer<String> problems)
             throws IOException {
         SqliteStore store = new SqliteStore(file, durability);
         try {
             if (store.isEmpty()) {
-                Simulation begun = new Simulation(description, pacing);
+                Simulation begun = new Simulation(description, pacing, laws);
                 return new StoredWorld(begun, store, begun.physics().stateHash());
             }
-            return resume(store, file, description, pacing, problems);
+            return resume(store, file, description, pacing, laws, problems);
         } catch (IOException | RuntimeException e) {
             store.close();
             throw e;
@@ -47,10 +50,10 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
     }
 
     private static StoredWorld resume(SqliteStore store, Path file,
-            WorldDescription description, Pacing pacing, Consumer<String> problems)
+            WorldDescription description, Pacing pacing, LawPath laws, Consumer<String> problems)
             throws IOException {
         List<JournalRecord> records = store.read(problems);
-        try (Replay replay = new Replay(Optional.of(description), pacing)) {
+        try (Replay replay = new Replay(Optional.of(description), pacing, laws)) {
             boolean begun = false;
             for (JournalRecord record : records) {
                 try {
@@ -59,6 +62,9 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
                                 + " from what was journalled; the world goes on as it is now");
                         break;
                     }
+                } catch (PhysicsException refused) {
+                    throw new PhysicsException(refused.status(),
+                            file + ": " + refused.getMessage());
                 } catch (CorruptException e) {
                     if (!begun) {
                         throw new CorruptException(file + ": " + e.getMessage());

@@ -8,6 +8,14 @@ import reve.core.file.WorldDescription;
  * @param frames to make, then it ends
  * @param persistence where it comes from, if it is stored, and what is kept of the run
  * @param pictures to be taken of it; closed by the server
+ * @param laws where its laws are found
  */
 public record WorldPlan(WorldDescription description, long frames, Persistence persistence,
-                        Pictures pictures) {}
+                        Pictures pictures, LawPath laws) {
+
+    /** A world of laws that ship. */
+    public WorldPlan(WorldDescription description, long frames, Persistence persistence,
+            Pictures pictures) {
+        this(description, frames, persistence, pictures, LawPath.ofShipped());
+    }
+}

@@ -1,0 +1,193 @@
+package reve.worlds.server;
+
+import java.io.IOException;
+import java.io.UncheckedIOException;
+import java.nio.file.Files;
+import java.nio.file.LinkOption;
+import java.nio.file.Path;
+import java.util.Arrays;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.regex.Pattern;
+import java.util.stream.Stream;
+import reve.core.mesh.AssetException;
+import reve.core.mesh.WorldFolder;
+import reve.pe.PhysicsEngine;
+import reve.pe.PhysicsException;
+import reve.pe.PreparedLibrary;
+import reve.pe.Status;
+import reve.pe.adapter.LawLibrary;
+import reve.worlds.Product;
+
+/**
+ * Finds laws by name, and decides which native code may be opened. A name is looked for among the
+ * laws that ship, then in the operator's folder, then in {@code laws/} beside the world file. Code
+ * of the last place, of a store and of a recording comes with the world: it is opened only if the
+ * operator trusts the world, or if its bytes equal a library of the first two. Any thread.
+ *
+ * @param shipped folder of the laws that ship
+ * @param folder the operator's folder
+ * @param world folder of the world file
+ * @param trusted whether native code that comes with the world may be opened
+ */
+public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
+        boolean trusted) {
+    private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
+    private static final String WORLDS_OWN = "laws";
+
+    /** Whose word a library is. */
+    public enum Origin { SHIPPED, FOLDER, WORLD }
+
+    /** The file that a name leads to. */
+    public record Found(Path file, Origin origin) {}
+
+    /** The laws that ship, and no others. */
+    public static LawPath ofShipped() {
+        return new LawPath(Product.nativeFolder().resolve("laws"), Optional.empty(),
+                Optional.empty(), false);
+    }
+
+    /** The same for a world whose file lies in this folder. */
+    public LawPath forWorld(Path worldFolder) {
+        return new LawPath(shipped, folder, Optional.of(worldFolder), trusted);
+    }
+
+    /**
+     * Finds the library of a law without opening it.
+     *
+     * @throws PhysicsException if there is none, or the world's own is no regular file in its
+     *     folder
+     */
+    public Found find(String name) {
+        String file = fileOf(name);
+        for (Map.Entry<Path, Origin> place : operatorsPlaces().entrySet()) {
+            Path candidate = place.getKey().resolve(file);
+            if (Files.exists(candidate)) {
+                return new Found(candidate.toAbsolutePath(), place.getValue());
+            }
+        }
+        return worldsOwn(file).map(own -> new Found(own, Origin.WORLD)).orElseThrow(() ->
+                new PhysicsException(Status.NOT_FOUND, "law library '" + name
+                        + "' was not found; looked for " + file + " in " + places()));
+    }
+
+    /** Whether the law is found in the world's own folder and may not be opened. */
+    public boolean needsTrust(String name) {
+        try {
+            return !trusted && find(name).origin() == Origin.WORLD;
+        } catch (PhysicsException refused) {
+            return false;
+        }
+    }
+
+    /** Says that the law is not opened, and why. */
+    public static String untrusted(String name) {
+        return "law '" + name + "' comes with the world, in " + WORLDS_OWN + "/" + fileOf(name)
+                + ": native code, which runs with all of your rights and is opened only with "
+                + "--trust";
+    }
+
+    /** What a name that leads elsewhere hides in the world's own folder, if other bytes do. */
+    Optional<String> hidden(String name, Found found) {
+        try {
+            Optional<Path> own = found.origin() == Origin.WORLD ? Optional.empty()
+                    : worldsOwn(fileOf(name));
+            return own.isEmpty() || Files.mismatch(own.get(), found.file()) < 0 ? Optional.empty()
+                    : Optional.of(own.get() + " is not used: the law of that name "
+                            + (found.origin() == Origin.SHIPPED ? "that ships" : "in --laws")
+                            + " comes first; give it a name of its own");
+        } catch (IOException | PhysicsException unreadable) {
+            return Optional.of(WORLDS_OWN + "/" + fileOf(name) + " is not used: "
+                    + unreadable.getMessage());
+        }
+    }
+
+    /**
+     * Opens the library of a law.
+     *
+     * @throws PhysicsException as {@link #find}, and if the operator does not trust the world that
+     *     the library comes with
+     */
+    PreparedLibrary prepare(PhysicsEngine engine, String name, Found found) {
+        if (found.origin() == Origin.WORLD && !trusted) {
+            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, untrusted(name));
+        }
+        return engine.prepare(found.file());
+    }
+
+    /**
+     * Refuses a library of a store or a recording that is neither trusted nor one that the operator
+     * has.
+     *
+     * @throws PhysicsException naming it
+     */
+    void requireKnown(LawLibrary library) {
+        if (!trusted && operatorsPlaces().keySet().stream()
+                .noneMatch(place -> holds(place, library.bytes()))) {
+            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, "the law library '"
+                    + library.name() + "' (SHA-256 " + library.sha256() + ") in it is native code,"
+                    + " which runs with all of your rights, and equals none in " + operatorsPlaces()
+                    .keySet() + ": it is opened only with --trust, or with --laws DIR that has it");
+        }
+    }
+
+    private Map<Path, Origin> operatorsPlaces() {
+        Map<Path, Origin> places = new LinkedHashMap<>();
+        places.put(shipped, Origin.SHIPPED);
+        folder.ifPresent(own -> places.putIfAbsent(own, Origin.FOLDER));
+        return places;
+    }
+
+    private String places() {
+        List<String> places = Stream.concat(operatorsPlaces().keySet().stream(),
+                world.map(own -> own.resolve(WORLDS_OWN)).stream()).map(Path::toString).toList();
+        return String.join(", ", places);
+    }
+
+    private static String fileOf(String name) {
+        if (!NAME.matcher(name).matches()) {
+            throw new PhysicsException(Status.INVALID_ARGUMENT, "'" + name + "' is no name of a "
+                    + "law: expected letters, digits, _ and -, 47 of them at most");
+        }
+        return "libvesper_law_" + name + ".so";
+    }
+
+    /** A regular file in the world's own folder; a link may not lead out of that. */
+    private Optional<Path> worldsOwn(String file) {
+        if (world.isEmpty() || !Files.exists(world.get().resolve(WORLDS_OWN).resolve(file),
+                LinkOption.NOFOLLOW_LINKS)) {
+            return Optional.empty();
+        }
+        String path = WORLDS_OWN + "/" + file;
+        try {
+            Path real = new WorldFolder(world.get()).find(path);
+            if (!real.startsWith(world.get().toRealPath().resolve(WORLDS_OWN))) {
+                throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, path
+                        + ": a link that leads out of the world's folder " + WORLDS_OWN + "/");
+            }
+            return Optional.of(real);
+        } catch (AssetException | IOException refused) {
+            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED,
+                    String.valueOf(refused.getMessage()));
+        }
+    }
+
+    private static boolean holds(Path folder, byte[] library) {
+        try (Stream<Path> files = Files.list(folder)) {
+            return files.filter(Files::isRegularFile).anyMatch(file -> equal(file, library));
+        } catch (IOException unreadable) {
+            return false;
+        }
+    }
+
+    private static boolean equal(Path file, byte[] library) {
+        try {
+            return Files.size(file) == library.length
+                    && Arrays.equals(Files.readAllBytes(file), library);
+        } catch (IOException | UncheckedIOException gone) {
+            return false;
+        }
+    }
+}

@@ -1,0 +1,242 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.ByteArrayOutputStream;
+import java.io.IOException;
+import java.io.InputStream;
+import java.io.PrintStream;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import org.junit.jupiter.api.BeforeAll;
+import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.tests.Reve.Outcome;
+import reve.worlds.Main;
+import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
+
+/**
+ * Native code that comes with a world, a store or a recording. The library is a real one, and
+ * leaves a mark when it is opened, be it in the probe process.
+ */
+class WorldTrustIT {
+    private static final String FILE = "libvesper_law_evil.so";
+    private static final String NOT_OPENED = "law 'evil' comes with the world, in laws/" + FILE
+            + ": native code, which runs with all of your rights and is opened only with --trust";
+
+    @TempDir
+    private static Path shared;
+    private static Path evil = Path.of("");
+    private static Path mark = Path.of("");
+
+    @TempDir
+    private Path folder;
+
+    @BeforeAll
+    static void compile() throws Exception {
+        mark = shared.resolve("mark");
+        evil = shared.resolve(FILE);
+        Path source = shared.resolve("evil_law.cpp");
+        try (InputStream text = WorldTrustIT.class.getResourceAsStream("evil_law.cpp")) {
+            Files.write(source, text.readAllBytes());
+        }
+        Process compiler = new ProcessBuilder("g++", "-std=c++20", "-shared", "-fPIC", "-O0",
+                "-fvisibility=hidden", "-ffp-contract=off", "-fno-gnu-unique",
+                "-DEVIL_MARK=\"" + mark + "\"",
+                "-I" + Project.ROOT.resolve("vesper-native/include"), source.toString(), "-o",
+                evil.toString()).redirectErrorStream(true).start();
+        String said = new String(compiler.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
+        assertThat(compiler.waitFor()).as(said).isZero();
+    }
+
+    @BeforeEach
+    void eraseMark() throws IOException {
+        Files.deleteIfExists(mark);
+    }
+
+    private String world(String laws) throws IOException {
+        return Files.writeString(folder.resolve("world.yaml"), """
+                reve: 1
+                name: visited
+                laws: %s
+                items:
+                  - {name: one, physics: {mass: 1}}
+                """.formatted(laws)).toString();
+    }
+
+    private Path ownLaws() throws IOException {
+        return Files.createDirectories(folder.resolve("laws"));
+    }
+
+    private void assertNeverOpened() {
+        assertThat(mark).as("what the library's constructor writes").doesNotExist();
+    }
+
+    /** Runs a command line in this process, which spares a start of the JVM. */
+    private static Outcome reve(String... arguments) {
+        PrintStream out = System.out;
+        PrintStream err = System.err;
+        var said = new ByteArrayOutputStream();
+        var complained = new ByteArrayOutputStream();
+        try {
+            System.setOut(new PrintStream(said, true, StandardCharsets.UTF_8));
+            System.setErr(new PrintStream(complained, true, StandardCharsets.UTF_8));
+            int code = Main.run(arguments);
+            return new Outcome(code, said.toString(StandardCharsets.UTF_8),
+                    complained.toString(StandardCharsets.UTF_8));
+        } finally {
+            System.setOut(out);
+            System.setErr(err);
+        }
+    }
+
+    private static Outcome reve(List<String> command, String... more) {
+        List<String> all = new ArrayList<>(command);
+        all.addAll(List.of(more));
+        return reve(all.toArray(String[]::new));
+    }
+
+    @Test
+    void aWorldNamesLawsNeverPaths() throws Exception {
+        Files.copy(evil, folder.resolve("evil.so"));
+        Path beside = Files.createDirectory(folder.resolve("x")).resolve(FILE);
+        Files.copy(evil, beside);
+        String world = world("[./evil.so, x/" + FILE + ", " + beside + ", {name: ../x/" + FILE
+                + "}]");
+        for (List<String> command : List.of(List.of("check", world),
+                List.of("run", world, "--trust"))) {
+            Outcome outcome = reve(command);
+            assertThat(outcome.code()).isEqualTo(3);
+            assertThat(outcome.err()).contains(":3:8: laws[0]: found text `./evil.so`",
+                    ":3:19: laws[1]: found text `x/" + FILE, ":3:44: laws[2]: found text `/",
+                    ": name: found text `../x/",
+                    "expected the name of a law: letters, digits, `_` and `-`, never a path");
+        }
+        assertNeverOpened();
+    }
+
+    @Test
+    void checkSaysWhatItDidNotOpen() throws Exception {
+        Files.copy(evil, ownLaws().resolve(FILE));
+        String world = world("[newton_motion, evil]");
+        Outcome outcome = reve("check", world);
+        assertThat(outcome.code()).as(outcome.err()).isZero();
+        assertThat(outcome.err())
+                .isEqualTo(world + ":3:23: not checked: " + NOT_OPENED + "\n");
+        assertThat(outcome.out()).contains("valid, 1 items, 1 laws, not checked: 1 more");
+        JsonNode json = new JsonMapper().readTree(reve("check", world, "--json").out());
+        assertThat(json.at("/unchecked/0").asString()).contains(NOT_OPENED);
+        assertNeverOpened();
+        Outcome trusted = reve("check", world, "--trust");
+        assertThat(trusted.out()).contains("valid, 1 items, 2 laws\n");
+        assertThat(mark).as("what this library does when it is opened").exists();
+    }
+
+    @Test
+    void lawsThatComeWithAWorldAreOpenedOnlyWithTrust() throws Exception {
+        Files.copy(evil, ownLaws().resolve(FILE));
+        String world = world("[newton_motion, evil]");
+        String picture = folder.resolve("p.png").toString();
+        for (List<String> command : List.of(List.of("run", world),
+                List.of("snapshot", world, "--out", picture),
+                List.of("serve", world, "--port", "0", "--seconds", "0.1", "--fast"))) {
+            Outcome outcome = reve(command);
+            assertThat(outcome.code()).as(outcome.out()).isEqualTo(4);
+            assertThat(outcome.err()).contains(world + ":3:23: " + NOT_OPENED);
+        }
+        assertNeverOpened();
+        assertThat(reve("run", world, "--seconds", "0.1", "--trust").code()).isZero();
+        assertThat(mark).exists();
+    }
+
+    @Test
+    void linksOutOfTheWorldsLawsAreRefused() throws Exception {
+        Files.createSymbolicLink(ownLaws().resolve(FILE), evil);
+        String world = world("[newton_motion, evil]");
+        Outcome file = reve("run", world, "--trust");
+        assertThat(file.code()).isEqualTo(4);
+        assertThat(file.err()).contains("laws/" + FILE + ": a link that leads out of the world's");
+        Files.delete(folder.resolve("laws").resolve(FILE));
+        Files.delete(folder.resolve("laws"));
+        Path other = Files.createDirectory(folder.resolve("other"));
+        Files.copy(evil, other.resolve(FILE));
+        Files.createSymbolicLink(folder.resolve("laws"), other);
+        Outcome whole = reve("check", world, "--trust");
+        assertThat(whole.code()).isEqualTo(4);
+        assertThat(whole.err()).contains("laws/" + FILE + ": a link that leads out of the world's");
+        assertNeverOpened();
+    }
+
+    @Test
+    void aLawOfAWorldNeverReplacesAShippedOne() throws Exception {
+        Path own = ownLaws().resolve("libvesper_law_newton_motion.so");
+        Files.copy(evil, own);
+        Outcome outcome =
+                Reve.run("run", world("[newton_motion]"), "--seconds", "0.1", "--trust", "--json");
+        assertThat(outcome.code()).as(outcome.err()).isZero();
+        assertThat(new JsonMapper().readTree(outcome.out()).get("laws").toString())
+                .contains("newton_motion").doesNotContain("evil");
+        assertThat(outcome.err()).contains(own.toRealPath() + " is not used: the law of that name "
+                + "that ships comes first");
+        assertNeverOpened();
+    }
+
+    @Test
+    void aMistypedLawsFolderIsAnErrorOfEachCommand() throws Exception {
+        String world = world("[newton_motion]");
+        Path none = folder.resolve("lwas");
+        for (List<String> command : List.of(List.of("check", world), List.of("run", world),
+                List.of("snapshot", world, "--out", folder.resolve("p.png").toString()),
+                List.of("serve", world, "--port", "0", "--seconds", "0.1"),
+                List.of("replay", folder.resolve("r.log").toString()))) {
+            Outcome outcome = reve(command, "--laws", none.toString());
+            assertThat(outcome.code()).as(command.toString()).isEqualTo(2);
+            assertThat(outcome.err()).contains("--laws: laws folder " + none + " is not a folder");
+            assertThat(none).doesNotExist();
+        }
+    }
+
+    @Test
+    void aRecordingWithNativeCodeOfItsOwnIsReplayedOnlyWithTrust() throws Exception {
+        Path laws = Files.createDirectory(folder.resolve("operators"));
+        Files.copy(evil, laws.resolve(FILE));
+        String log = folder.resolve("r.log").toString();
+        Outcome run = reve("run", world("[newton_motion, evil]"), "--seconds", "0.1",
+                "--laws", laws.toString(), "--record", log);
+        assertThat(run.code()).as(run.err()).isZero();
+        Files.delete(mark);
+        Outcome refused = reve("replay", log);
+        assertThat(refused.code()).isEqualTo(4);
+        assertThat(refused.err()).startsWith("reve: " + log + ": the law library 'evil' (SHA-256 ")
+                .contains("is native code", "--trust");
+        assertNeverOpened();
+        assertThat(reve("replay", log, "--laws", laws.toString()).out())
+                .startsWith("identical: 6 frames");
+        assertThat(reve("replay", log, "--trust").out()).startsWith("identical: 6 frames");
+    }
+
+    @Test
+    void aStoreWithNativeCodeOfItsOwnGoesOnOnlyWithTrustOrItsLaws() throws Exception {
+        Path laws = Files.createDirectory(folder.resolve("operators"));
+        Files.copy(evil, laws.resolve(FILE));
+        Path store = folder.resolve("w.db");
+        List<String> serve = List.of("serve", world("[newton_motion, evil]"), "--port", "0",
+                "--fast", "--seconds", "0.1", "--store", store.toString(), "--json");
+        Outcome begun = reve(serve, "--laws", laws.toString());
+        assertThat(begun.code()).as(begun.out()).isZero();
+        Files.delete(mark);
+        Outcome refused = reve(serve);
+        assertThat(refused.code()).isEqualTo(4);
+        assertThat(refused.err()).contains(store + ": the law library 'evil' (SHA-256 ");
+        assertNeverOpened();
+        Outcome resumed = reve(serve, "--laws", laws.toString());
+        assertThat(resumed.code()).as(resumed.err()).isZero();
+        assertThat(resumed.out()).doesNotContain("\"fault\"");
+        assertThat(reve(serve, "--trust").code()).isZero();
+    }
+}
