@@ -36,6 +36,12 @@ public final class AgentCommand implements Command {
         return sequence;
     }
 
+    /** An operator's hand is not held up by agents in lock-step. */
+    @Override
+    public boolean isPrompt() {
+        return input instanceof AgentInput.Edit;
+    }
+
     @Override
     public void execute(World world, FrameEvent event) {
         done.accept(members.apply(world, event.frame(), input));

@@ -44,9 +44,13 @@ public sealed interface AgentInput {
      * @param count how often it was late until now
      * @param fallback what its body does instead
      * @param told whether the others hear of it
+     * @param away true if it was late so often in a row that the world no longer waits for it
      */
-    record Late(String agent, long count, Optional<Fallback> fallback, boolean told)
+    record Late(String agent, long count, Optional<Fallback> fallback, boolean told, boolean away)
             implements AgentInput {}
+
+    /** An agent in lock-step that was away has been ready: the world waits for it again. */
+    record Back(String agent) implements AgentInput {}
 
     /**
      * What an agent's body does when the agent is late.

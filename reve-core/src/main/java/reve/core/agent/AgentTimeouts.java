@@ -21,7 +21,7 @@ public record AgentTimeouts(Duration hello, Duration line, Duration idle, Durati
     public static final AgentTimeouts PROTOCOL = new AgentTimeouts(
             Duration.ofSeconds(2), Duration.ofSeconds(10), Duration.ofSeconds(15),
             Duration.ofSeconds(10), Duration.ofSeconds(5), Duration.ofSeconds(60),
-            Duration.ofSeconds(10), Duration.ofSeconds(1));
+            Duration.ofSeconds(1), Duration.ofSeconds(1));
 
     /** @throws IllegalArgumentException if one is shorter than a millisecond */
     public AgentTimeouts {

@@ -1,6 +1,7 @@
 package reve.core.agent;
 
 import java.util.Optional;
+import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.atomic.AtomicLong;
 import java.util.function.Consumer;
 import reve.core.frame.Command;
@@ -21,6 +22,9 @@ final class ControlDesk {
     private final Studies studies;
     private final RateLimitedLog log;
     private final AtomicLong sequence = new AtomicLong();
+    private final AtomicBoolean promptDue = new AtomicBoolean();
+    /** World's thread. */
+    private boolean executesPrompt;
 
     ControlDesk(WorldPort port, Publisher publisher, RateLimitedLog log) {
         this.port = port;
@@ -55,9 +59,13 @@ final class ControlDesk {
             case ClientMessage.Run run -> {
                 accept(session, run, port.loop().frame());
                 port.loop().resume();
+                executePrompt();
             }
-            case ClientMessage.Step step -> between(session, step,
-                    () -> port.loop().resume(step.frames()));
+            case ClientMessage.Step step -> between(session, step, () -> {
+                long last = port.loop().resume(step.frames());
+                executePrompt();
+                return last;
+            });
             case ClientMessage.Snapshot snapshot -> between(session, snapshot,
                     () -> images.keep(snapshot.image()));
             case ClientMessage.Rewind rewind -> rewind(session, rewind);
@@ -67,11 +75,11 @@ final class ControlDesk {
                 accept(session, shutDown, port.loop().frame());
                 port.loop().stop();
             }
-            case ClientMessage.LoadLaw load -> change(session, load,
+            case ClientMessage.LoadLaw load -> change(session, load, true,
                     () -> port.control().loadLaw(load.library(), load.parameters()));
-            case ClientMessage.UnloadLaw unload -> change(session, unload,
+            case ClientMessage.UnloadLaw unload -> change(session, unload, true,
                     () -> port.control().unloadLaw(unload.library()));
-            case ClientMessage.Picture picture -> change(session, picture,
+            case ClientMessage.Picture picture -> change(session, picture, false,
                     () -> port.control().picture());
         }
     }
@@ -81,21 +89,21 @@ final class ControlDesk {
     }
 
     /**
-     * An agent in lock-step was late. Loop's thread; done in the frame that begins now, if that has
-     * room for it.
+     * An agent in lock-step was late, or came back. Loop's thread; done in the frame that begins
+     * now, if that has room for it.
      */
-    void late(AgentInput.Late late) {
-        port.commands().offer(command(late, outcome -> {
+    void lockStep(AgentInput news) {
+        port.commands().offer(command(news, outcome -> {
             if (outcome instanceof Outcome.Failed failed) {
                 publisher.withFrame(() -> log.error(
-                        "the fallback of agent " + late.agent() + " failed", failed.cause()));
+                        "the fallback of agent " + news.agent() + " failed", failed.cause()));
             }
         }));
     }
 
     private boolean offer(Session session, ClientMessage.Request request, AgentInput input) {
-        return offer(session, request, command(input,
-                outcome -> publisher.withFrame(() -> answer(session, request, outcome))));
+        return offer(session, request,
+                command(input, outcome -> deliver(session, request, outcome)));
     }
 
     private boolean offer(Session session, ClientMessage.Request request, Command command) {
@@ -103,8 +111,34 @@ final class ControlDesk {
         if (!taken) {
             session.refuse(request, "world-busy",
                     "the world has more to do than fits into a frame");
+        } else if (command.isPrompt()) {
+            executePrompt();
         }
         return taken;
+    }
+
+    /** Sends the result of a command with its frame or, if that is not being made, at once. */
+    private void deliver(Session session, ClientMessage.Request request, Outcome outcome) {
+        if (executesPrompt) {
+            publisher.later(() -> answer(session, request, outcome));
+        } else {
+            publisher.withFrame(() -> answer(session, request, outcome));
+        }
+    }
+
+    /** Has operators' commands executed before the next frame, which agents may hold up. */
+    private void executePrompt() {
+        if (!promptDue.getAndSet(true)) {
+            port.loop().betweenFrames(() -> {
+                promptDue.set(false);
+                executesPrompt = true;
+                try {
+                    port.loop().executePrompt(port.commands());
+                } finally {
+                    executesPrompt = false;
+                }
+            });
+        }
     }
 
     // ---- between frames ----
@@ -155,11 +189,13 @@ final class ControlDesk {
         WorldControl.Change prepare() throws ActionRefused;
     }
 
-    private void change(Session session, ClientMessage.Request request, Preparation preparation) {
+    /** @param isPrompt false if it is about the next frame itself */
+    private void change(Session session, ClientMessage.Request request, boolean isPrompt,
+            Preparation preparation) {
         try {
             WorldControl.Change change = preparation.prepare();
-            var command = new ChangeCommand(session.name(), sequence.incrementAndGet(), change,
-                    outcome -> publisher.withFrame(() -> answer(session, request, outcome)));
+            var command = new ChangeCommand(session.name(), sequence.incrementAndGet(), isPrompt,
+                    change, outcome -> deliver(session, request, outcome));
             if (!offer(session, request, command)) {
                 change.drop();
             }
@@ -175,8 +211,8 @@ final class ControlDesk {
     }
 
     /** A prepared change on its way through the world's queue. */
-    private record ChangeCommand(String origin, long sequence, WorldControl.Change change,
-            Consumer<Outcome> done) implements Command {
+    private record ChangeCommand(String origin, long sequence, boolean isPrompt,
+            WorldControl.Change change, Consumer<Outcome> done) implements Command {
 
         @Override
         public void execute(World world, FrameEvent event) {

@@ -19,7 +19,7 @@ final class LockStep implements FrameGate {
 
     private final Runnable wake;
     private final Waiting waiting;
-    private final Consumer<AgentInput.Late> late;
+    private final Consumer<AgentInput> news;
 
     /** Never changed, only replaced, with this held. */
     private volatile Turn[] turns = NOBODY;
@@ -56,11 +56,12 @@ final class LockStep implements FrameGate {
 
     /**
      * @param wake has the loop ask again
-     * @param late told who missed its deadline, on the loop's thread
+     * @param news takes the agents that missed a deadline, and those that came back after the world
+     *     had stopped waiting for them; on the loop's thread
      */
-    LockStep(Runnable wake, Consumer<AgentInput.Late> late, Waiting waiting) {
+    LockStep(Runnable wake, Consumer<AgentInput> news, Waiting waiting) {
         this.wake = wake;
-        this.late = late;
+        this.news = news;
         this.waiting = waiting;
     }
 
@@ -140,7 +141,9 @@ final class LockStep implements FrameGate {
         boolean somebodyComes = coming.get() > 0;
         long wait = 0;
         for (Turn turn : turns) {
-            turn.takeBack(frame);
+            if (turn.takeBack(frame)) {
+                news.accept(turn.back());
+            }
             if (somebodyComes) {
                 turn.putOff(frame);
             }
@@ -158,14 +161,15 @@ final class LockStep implements FrameGate {
     private void goOnWithout(long frame) {
         for (Turn turn : turns) {
             if (turn.miss(frame - 1)) {
-                late.accept(turn.late());
+                news.accept(turn.late());
             }
         }
     }
 
     @Override
-    public void await(long nanoseconds, FrameClock clock) {
-        waiting.await(nanoseconds, () -> !isAnybodyAwaited(due), clock);
+    public void await(long nanoseconds, BooleanSupplier disturbed, FrameClock clock) {
+        waiting.await(nanoseconds,
+                () -> disturbed.getAsBoolean() || !isAnybodyAwaited(due), clock);
     }
 
     @Override

@@ -98,6 +98,7 @@ public final class Members {
                     yield new Outcome.Done(frame);
                 }
                 case AgentInput.Late late -> late(world, frame, late);
+                case AgentInput.Back back -> back(world, frame, back);
                 case AgentInput.Leave leave -> leave(world, frame, leave);
             };
         } catch (Ending e) {
@@ -205,6 +206,10 @@ public final class Members {
             fields.put("count", late.count());
             world.raise(new WorldEvent(frame, "late", fields));
         }
+        if (late.away()) {
+            world.raise(new WorldEvent(frame, "away",
+                    fields("agent", late.agent(), "body", body.name())));
+        }
         if (late.fallback().isPresent()) {
             AgentInput.Fallback fallback = late.fallback().get();
             var act = new AgentInput.Act(late.agent(), fallback.item().orElse(body.name()),
@@ -214,6 +219,16 @@ public final class Members {
                 raiseActed(world, frame, act);
             }
         }
+        return new Outcome.Done(frame);
+    }
+
+    private Outcome back(World world, long frame, AgentInput.Back back) {
+        Body body = bodies.get(back.agent());
+        if (body == null) {
+            return new Outcome.Absent();
+        }
+        world.raise(new WorldEvent(frame, "back",
+                fields("agent", back.agent(), "body", body.name())));
         return new Outcome.Done(frame);
     }
 

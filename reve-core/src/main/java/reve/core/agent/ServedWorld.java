@@ -32,7 +32,7 @@ final class ServedWorld implements AutoCloseable {
         this.port = port;
         this.publisher = new Publisher(port, server.log(), this::queueLeaving, server::wake);
         this.desk = new ControlDesk(port, publisher, server.log());
-        this.lockStep = new LockStep(port.loop()::wake, desk::late, waiting);
+        this.lockStep = new LockStep(port.loop()::wake, desk::lockStep, waiting);
         port.loop().setGate(lockStep);
         this.subscription = port.bus()
                 .subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);

@@ -13,13 +13,18 @@ final class Turn {
     private enum Presence {
         /** It is waited for. */
         HERE,
-        /** Its connection is broken: nobody waits. */
+        /** It was late too often in a row: the world does not wait until it says ready. */
         AWAY,
-        /** Its connection is there again: rounds begin anew with the next frame. */
+        /** Its connection is broken: the world does not wait until there is another one. */
+        BROKEN,
+        /** It is there again: its rounds restart with the next frame. */
         RETURNING,
         /** It has left the world. */
         GONE
     }
+
+    /** Rounds in a row for which an agent may be late; then the world no longer waits for it. */
+    static final int MAX_LATE_ROUNDS = 3;
 
     private final String agent;
     private final ClientMessage.LockStep wanted;
@@ -27,6 +32,8 @@ final class Turn {
     /** Rounds that the agent has done with, or was too late for. */
     private final AtomicLong done = new AtomicLong();
 
+    /** Messages by which the agent said that it is done with a round, counted before they act. */
+    private final AtomicLong said = new AtomicLong();
     private final AtomicReference<Presence> presence = new AtomicReference<>(Presence.HERE);
     /** It has been ready at least once. */
     private volatile boolean playing;
@@ -35,7 +42,13 @@ final class Turn {
 
     // Loop's thread.
     private long missed;
-    private boolean missedAway;
+    private boolean missedUnawaited;
+    private int lateInRow;
+    /** Rounds that were found to be done or missed, and {@link #said} at that time. */
+    private long judged;
+    private long saidWhenJudged;
+    /** The others were told that it is away. */
+    private boolean away;
 
     /** @param deadlineNanos longest wait for it [ns] */
     Turn(String agent, ClientMessage.LockStep wanted, long deadlineNanos) {
@@ -58,6 +71,7 @@ final class Turn {
     void ready() {
         playing = true;
         done.incrementAndGet();
+        speak();
     }
 
     /**
@@ -69,10 +83,16 @@ final class Turn {
         if (frame <= published) {
             done.accumulateAndGet(rounds(frame), Math::max);
         }
+        speak();
+    }
+
+    private void speak() {
+        said.incrementAndGet();
+        presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
     }
 
     void breakOff() {
-        presence.set(Presence.AWAY);
+        presence.set(Presence.BROKEN);
     }
 
     void comeBack() {
@@ -115,15 +135,25 @@ final class Turn {
     void restart(long frame) {
         origin = frame;
         done.set(0);
+        judged = 0;
     }
 
-    /** Who is returning is here from that frame on, which has not been begun. */
-    void takeBack(long frame) {
-        if (presence.get() == Presence.RETURNING) {
-            missedAway = false;
-            restart(frame);
-            presence.compareAndSet(Presence.RETURNING, Presence.HERE);
+    /**
+     * Lets an agent that is returning take part again from that frame on, which has not been begun.
+     *
+     * @return true if the others were told that it was away
+     */
+    boolean takeBack(long frame) {
+        if (presence.get() != Presence.RETURNING) {
+            return false;
         }
+        boolean wasAway = away;
+        away = false;
+        missedUnawaited = false;
+        lateInRow = 0;
+        restart(frame);
+        presence.compareAndSet(Presence.RETURNING, Presence.HERE);
+        return wasAway;
     }
 
     /**
@@ -138,17 +168,35 @@ final class Turn {
     /** Ends the rounds up to a frame. @return true if the agent was not done with them */
     boolean miss(long frame) {
         long rounds = rounds(frame);
-        return done.get() < rounds && done.getAndAccumulate(rounds, Math::max) < rounds;
+        if (rounds == judged) {
+            return false;
+        }
+        judged = rounds;
+        saidWhenJudged = said.get();
+        boolean late = done.get() < rounds && done.getAndAccumulate(rounds, Math::max) < rounds;
+        lateInRow = late ? lateInRow + 1 : 0;
+        return late;
     }
 
     /**
-     * What comes of a missed round. The others hear of the first one that a broken
-     * connection costs, not of each.
+     * Returns what comes of a missed round. The others are told each round that the world waited for
+     * in vain and the first that a broken connection costs, not those that follow.
      */
     AgentInput.Late late() {
         missed++;
-        boolean told = !missedAway;
-        missedAway = presence.get() != Presence.HERE;
-        return new AgentInput.Late(agent, missed, wanted.fallback(), told);
+        boolean told = !missedUnawaited;
+        boolean goes = lateInRow >= MAX_LATE_ROUNDS
+                && presence.compareAndSet(Presence.HERE, Presence.AWAY);
+        away |= goes;
+        missedUnawaited = presence.get() != Presence.HERE;
+        if (goes && said.get() != saidWhenJudged) { // it was ready at this very moment
+            presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
+        }
+        return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);
+    }
+
+    /** Returns what the others are told of an agent that was away and takes part again. */
+    AgentInput.Back back() {
+        return new AgentInput.Back(agent);
     }
 }

@@ -11,6 +11,14 @@ public interface Command {
     /** Rises with every command of an origin; orders them. */
     long sequence();
 
+    /**
+     * True if it need not wait for a frame: it is executed between two frames where that comes
+     * sooner, see {@link FrameLoop#executePrompt}.
+     */
+    default boolean isPrompt() {
+        return false;
+    }
+
     /** Called on the world's thread in ACT. What it throws is reported and harms nobody else. */
     void execute(World world, FrameEvent event);
 }

@@ -2,6 +2,7 @@ package reve.core.frame;
 
 import java.util.ArrayList;
 import java.util.Comparator;
+import java.util.Iterator;
 import java.util.List;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
@@ -10,7 +11,7 @@ import java.util.concurrent.atomic.AtomicInteger;
 /**
  * The way into the world from other threads. INTAKE takes what has arrived into the frame, ACT
  * executes it ordered by origin and sequence, so that the order of arrival within a frame does not
- * matter. Bounded, and lock-free on both sides.
+ * matter. Prompt commands may come before their frame. Bounded, and lock-free on both sides.
  */
 public final class CommandQueue {
 
@@ -46,6 +47,20 @@ public final class CommandQueue {
         }
         arrived.add(command);
         return true;
+    }
+
+    /** Executes the prompt commands that have arrived; between frames. */
+    void executePrompt(FrameEvent event) {
+        for (Iterator<Command> all = arrived.iterator(); all.hasNext();) {
+            Command command = all.next();
+            if (command.isPrompt()) {
+                all.remove();
+                waiting.decrementAndGet();
+                taken.add(command);
+            }
+        }
+        taken.sort(ORDER);
+        execute(event);
     }
 
     private void take(FrameEvent event) {

@@ -1,5 +1,7 @@
 package reve.core.frame;
 
+import java.util.function.BooleanSupplier;
+
 /**
  * Keeps a frame loop from beginning its next frame for a while. Called on the loop's thread
  * between frames, and must not block, but where said otherwise.
@@ -33,9 +35,11 @@ public interface FrameGate {
      * Lets the loop's thread wait, for about that long [ns] or until {@link #wake}. A gate that
      * opens by what this thread could do meanwhile may have it do that.
      *
+     * @param disturbed true if the loop has something else to do; a gate that does not park the
+     *     thread asks it before it waits
      * @param clock the loop's own
      */
-    default void await(long nanoseconds, FrameClock clock) {
+    default void await(long nanoseconds, BooleanSupplier disturbed, FrameClock clock) {
         clock.park(nanoseconds);
     }
 

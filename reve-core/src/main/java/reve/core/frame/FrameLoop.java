@@ -8,6 +8,7 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.concurrent.atomic.AtomicLongArray;
 import java.util.concurrent.atomic.AtomicReference;
 import java.util.concurrent.locks.LockSupport;
+import java.util.function.BooleanSupplier;
 import org.jspecify.annotations.Nullable;
 import reve.core.world.Activity;
 import reve.core.world.World;
@@ -50,6 +51,7 @@ public final class FrameLoop {
     /** When the wait of the loop's thread ends; {@link #AT_WORK} unless it waits [ns]. */
     private final AtomicLong waitEnd = new AtomicLong(AT_WORK);
     private final Queue<Runnable> errands = new ConcurrentLinkedQueue<>();
+    private final BooleanSupplier disturbed = this::isDisturbed;
     private boolean begun;
     private boolean making;
     private volatile FrameGate gate = FrameGate.OPEN;
@@ -142,6 +144,18 @@ public final class FrameLoop {
     public void betweenFrames(Runnable errand) {
         errands.add(errand);
         wake();
+    }
+
+    /**
+     * Executes the prompt commands of a queue now, unless the loop is paused: what they change
+     * belongs to the next frame, as if that had executed them first. World's thread, between
+     * frames.
+     */
+    public void executePrompt(CommandQueue commands) {
+        if (!isPaused()) {
+            event.set(frame() + 1, FramePhase.ACT);
+            commands.executePrompt(event);
+        }
     }
 
     /**
@@ -330,9 +344,13 @@ public final class FrameLoop {
         if (isPaused()) {
             clock.park(nanoseconds);
         } else {
-            gate.await(nanoseconds, clock);
+            gate.await(nanoseconds, disturbed, clock);
         }
         waitEnd.setRelease(AT_WORK);
+    }
+
+    private boolean isDisturbed() {
+        return !errands.isEmpty() || isPaused() || stopped;
     }
 
     /** How long a frame may not begin yet, at most until looked at again [ns]. */

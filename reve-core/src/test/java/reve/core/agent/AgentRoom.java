@@ -34,7 +34,8 @@ import reve.core.world.WorldPrototype;
  */
 final class AgentRoom implements AutoCloseable {
 
-    static final AgentServerConfig CONFIG = AgentServerConfig.onPort(0);
+    static final AgentServerConfig CONFIG =
+            AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10));
 
     private static final Parameter IMPULSE =
             Parameter.number("impulse", 3, Unit.parse("N*s"), "How hard.");

@@ -69,6 +69,95 @@ class LockStepServerTest {
     }
 
     @Test
+    void theLongestDeadlineIsASecondUnlessTheOperatorSaysOtherwise() throws IOException {
+        room.close();
+        room = new AgentRoom(AgentServerConfig.onPort(0));
+        try (TestClient ada = room.connect()
+                .say(HELLO.formatted("ada", ",'deadline':10")).sync()) {
+            room.step();
+            assertThat(ada.expect("welcome").at("/time/deadline").doubleValue()).isEqualTo(1.0);
+        }
+    }
+
+    @Test
+    void whoIsSilentIsToldThatItIsNotWaitedForAndComesBackByReady() throws IOException {
+        try (TestClient ada = join("ada", ",'deadline':0.02,'fallback':{'action':'swim'}");
+                TestClient boss = room.connect()) {
+            boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
+            run();
+            for (TestClient client : List.of(ada, boss)) {
+                for (int frame = 2; frame <= 4; frame++) {
+                    assertThat(client.skipTo("event")).isEqualTo(TestClient.json(("{'t':'event',"
+                            + "'frame':%d,'type':'late','fields':{'agent':'ada','body':'ada',"
+                            + "'count':%d}}").formatted(frame, frame - 1)));
+                }
+                assertThat(client.skipTo("event")).isEqualTo(TestClient.json("{'t':'event',"
+                        + "'frame':4,'type':'away','fields':{'agent':'ada','body':'ada'}}"));
+            }
+            while (room.loop.frame() < 1000) {
+                Thread.onSpinWait(); // without it: before, a frame took 20 ms
+            }
+            ada.say("{'t':'ready','frame':3}");
+            JsonNode back = boss.expect("event");
+            assertThat(back.get("type").stringValue()).isEqualTo("back");
+            assertThat(back.get("fields"))
+                    .isEqualTo(TestClient.json("{'agent':'ada','body':'ada'}"));
+            long frame = back.get("frame").longValue();
+            JsonNode told = ada.skipTo("perception");
+            while (told.get("frame").longValue() < frame) {
+                assertThat(told.get("frame").longValue()).isLessThan(4);
+                told = ada.skipTo("perception");
+            }
+            assertThat(told.get("frame").longValue()).isEqualTo(frame);
+            ada.say("{'t':'ready','frame':%d}".formatted(frame));
+            assertThat(ada.skipTo("perception").get("frame").longValue()).isEqualTo(frame + 1);
+        }
+    }
+
+    @Test
+    void anOperatorsCommandsAreDoneWhileTheWorldWaitsAndShowInTheNextFrame() throws IOException {
+        try (TestClient ada = join("ada", ",'deadline':10"); TestClient boss = room.connect()) {
+            boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
+            run();
+            long begun = System.nanoTime();
+            for (int id = 1; id <= 100; id++) {
+                boss.say(("{'t':'edit','id':%d,'item':'duck','property':'semantic.wound',"
+                        + "'value':%d}").formatted(id, id));
+                assertThat(boss.expect("result")).isEqualTo(TestClient.json(
+                        "{'t':'result','id':%d,'accepted':true,'frame':2}".formatted(id)));
+            }
+            assertThat(System.nanoTime() - begun).as("a hundred edits, one after the other [ns]")
+                    .isLessThan(5_000_000_000L);
+            boss.say("{'t':'edit','id':101,'item':'swan','property':'physics.mass','value':1}");
+            boss.expect("result", "no-such-item");
+            assertThat(room.loop.frame()).as("the world waits").isEqualTo(1);
+            ada.say("{'t':'ready'}");
+            JsonNode seen = ada.expect("perception");
+            assertThat(seen.get("frame").longValue()).isEqualTo(2);
+            assertThat(seen.at("/changed/0/symbols/wound").doubleValue()).isEqualTo(100.0);
+        }
+    }
+
+    @Test
+    void whatIsSaidToAPausedWorldWaitsForItsNextFrame() throws IOException {
+        try (TestClient ada = join("ada", ",'deadline':10"); TestClient boss = room.connect()) {
+            boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
+            run();
+            boss.say("{'t':'pause','id':1}").expect("result");
+            boss.say("{'t':'edit','id':2,'item':'duck','property':'physics.mass','value':3}");
+            boss.say("{'t':'run','id':3}");
+            assertThat(boss.expect("result").get("id").longValue()).isEqualTo(3);
+            JsonNode edited = boss.expect("result");
+            assertThat(edited.get("id").longValue()).as("done as the world waits for ada")
+                    .isEqualTo(2);
+            assertThat(edited.get("frame").longValue()).isEqualTo(2);
+            assertThat(room.loop.frame()).isEqualTo(1);
+            ada.say("{'t':'ready'}");
+            assertThat(ada.expect("perception").get("frame").longValue()).isEqualTo(2);
+        }
+    }
+
+    @Test
     void whoIsReadyGetsTheNextPerceptionWithoutAskingForIt() throws IOException {
         try (TestClient ada = join("ada", "")) {
             run();

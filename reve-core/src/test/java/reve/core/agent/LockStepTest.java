@@ -50,8 +50,13 @@ class LockStepTest {
         private long origin;
         private long done;
         private long late;
+        private long judged;
+        private int lateInRow;
         private boolean here = true;
+        private boolean broken;
+        private boolean away;
         private boolean returning;
+        private int backs;
 
         Player(String name, int every, long deadlineNanos, long origin) {
             this.turn = new Turn(name, new ClientMessage.LockStep(every, false, deadlineNanos / 1e9,
@@ -104,15 +109,30 @@ class LockStepTest {
         }
     }
 
-    private void heard(AgentInput.Late late) {
-        Player player = byName.get(late.agent());
+    private void heard(AgentInput news) {
+        Player player = byName.get(news.agent());
+        if (!(news instanceof AgentInput.Late late)) {
+            assertThat(news).isInstanceOf(AgentInput.Back.class);
+            assertThat(player.away).as("%s was away", news.agent()).isTrue();
+            player.away = false;
+            player.backs++;
+            return;
+        }
         player.late++;
         assertThat(late.count()).isEqualTo(player.late);
         assertThat(late.fallback()).isPresent();
+        player.judged = player.roundsBegun(loop.frame());
+        player.lateInRow++;
+        assertThat(late.away()).as("%s after %d late rounds in a row", late.agent(),
+                player.lateInRow).isEqualTo(player.here && player.lateInRow >= 3);
         if (player.here) {
             assertThat(late.told()).isTrue();
             assertThat(clock.now - dueSince).as("time that %s got", late.agent())
                     .isGreaterThanOrEqualTo(player.deadlineNanos);
+        }
+        if (late.away()) {
+            player.away = true;
+            player.here = false;
         }
         player.done = Math.max(player.done, player.roundsBegun(loop.frame()));
     }
@@ -149,6 +169,7 @@ class LockStepTest {
         for (Player player : players) {
             player.origin = loop.frame();
             player.done = 0;
+            player.judged = 0;
         }
         dueSince = clock.now;
     }
@@ -156,10 +177,13 @@ class LockStepTest {
     private void takeBack(long frame) {
         for (Player player : players) {
             if (player.returning) {
+                assertThat(player.away).as("whether the others were told").isFalse();
                 player.returning = false;
                 player.here = true;
                 player.origin = frame;
                 player.done = 0;
+                player.judged = 0;
+                player.lateInRow = 0;
             }
         }
     }
@@ -173,11 +197,13 @@ class LockStepTest {
             case 1 -> {
                 player.here = false;
                 player.returning = false;
+                player.broken = true;
                 player.turn.breakOff();
                 lockStep.changed();
             }
             case 2 -> {
                 player.here = false;
+                player.broken = false;
                 player.returning = true;
                 player.turn.comeBack();
                 lockStep.changed();
@@ -188,9 +214,11 @@ class LockStepTest {
     }
 
     private void ready(Player player, boolean saysFrame) {
-        if (!player.here) {
+        boolean isAway = player.away && !player.broken && !player.returning;
+        if (!player.here && !isAway) {
             return;
         }
+        player.returning |= isAway;
         long frame = random.nextInt(4) == 0 ? random.nextLong(2 * loop.frame() + 1) : loop.frame();
         if (saysFrame) {
             player.turn.ready(frame, loop.frame());
@@ -208,6 +236,10 @@ class LockStepTest {
         bus.subscribe(FramePhase.INTAKE, "check", event -> {
             long before = event.frame() - 1;
             for (Player player : players) {
+                if (player.roundsBegun(before) != player.judged) {
+                    player.judged = player.roundsBegun(before);
+                    player.lateInRow = 0; // else it had been heard
+                }
                 assertThat(player.isMissing(before))
                         .as("seed %d, frame %d", seed, event.frame()).isFalse();
             }
@@ -236,7 +268,74 @@ class LockStepTest {
         });
         loop.setGate(lockStep);
         loop.run(FRAMES);
-        assertThat(byName.values()).anyMatch(player -> player.late > 0).hasSizeGreaterThan(10);
+        assertThat(byName.values()).anyMatch(player -> player.late > 0)
+                .anyMatch(player -> player.backs > 0).hasSizeGreaterThan(10);
+    }
+
+    @Test
+    void whoIsLateThreeRoundsInARowIsNoLongerWaitedForUntilItIsReady() {
+        var news = new ArrayList<AgentInput>();
+        var gate = new LockStep(() -> { }, news::add, LockStep.Waiting.IDLE);
+        var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()),
+                MILLISECOND);
+        turn.begin(0);
+        gate.add(turn);
+        for (long frame = 1; frame <= 5; frame += 2) {
+            assertThat(gate.nanosecondsToWait(frame, 0)).as("frame %d", frame)
+                    .isEqualTo(MILLISECOND);
+            assertThat(gate.nanosecondsToWait(frame, MILLISECOND)).isZero();
+            assertThat(gate.nanosecondsToWait(frame + 1, 0)).isZero();
+        }
+        assertThat(news).containsExactly(
+                new AgentInput.Late("ada", 1, Optional.empty(), true, false),
+                new AgentInput.Late("ada", 2, Optional.empty(), true, false),
+                new AgentInput.Late("ada", 3, Optional.empty(), true, true));
+        news.clear();
+        assertThat(gate.nanosecondsToWait(7, 0)).as("the world goes on").isZero();
+        assertThat(turn.isDue(7, 5)).as("it is not told of rounds").isFalse();
+        turn.ready(3, 7);
+        assertThat(gate.nanosecondsToWait(8, 0)).isZero();
+        assertThat(turn.isDue(8, 5)).as("its rounds restart with the next frame").isTrue();
+        assertThat(gate.nanosecondsToWait(9, 0)).as("it is waited for").isEqualTo(MILLISECOND);
+        assertThat(news).containsExactly(
+                new AgentInput.Late("ada", 4, Optional.empty(), false, false),
+                new AgentInput.Back("ada"));
+    }
+
+    @Test
+    void aRoundInTimeBetweenLateOnesStartsTheCountAgain() {
+        var news = new ArrayList<AgentInput>();
+        var gate = new LockStep(() -> { }, news::add, LockStep.Waiting.IDLE);
+        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                MILLISECOND);
+        turn.begin(0);
+        gate.add(turn);
+        for (long frame = 1; frame <= 12; frame++) {
+            if (frame % 3 == 0) {
+                turn.ready(frame - 1, frame - 1);
+            }
+            gate.nanosecondsToWait(frame, 0);
+            gate.nanosecondsToWait(frame, MILLISECOND);
+        }
+        assertThat(news).hasSize(8).allMatch(
+                each -> each instanceof AgentInput.Late late && late.told() && !late.away());
+    }
+
+    /** From another thread, at the worst moment: while the third late round is being found. */
+    @Test
+    void aReadyThatComesAsTheWorldGivesUpIsNotLost() {
+        var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                MILLISECOND);
+        turn.begin(0);
+        for (long frame = 1; frame <= 3; frame++) {
+            assertThat(turn.miss(frame - 1)).isTrue();
+            if (frame == 3) {
+                turn.ready(frame - 1, frame - 1);
+            }
+            assertThat(turn.late().away()).isEqualTo(frame == 3);
+        }
+        assertThat(turn.takeBack(4)).as("it is back at once").isTrue();
+        assertThat(turn.isAwaited(4)).isTrue();
     }
 
     @Test
@@ -288,7 +387,7 @@ class LockStepTest {
 
     @Test
     void ofTheRoundsThatABrokenConnectionCostsTheOthersHearOnce() {
-        var heard = new ArrayList<AgentInput.Late>();
+        var heard = new ArrayList<AgentInput>();
         var gate = new LockStep(() -> { }, heard::add, LockStep.Waiting.IDLE);
         var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
                 MILLISECOND);
@@ -302,8 +401,9 @@ class LockStepTest {
         assertThat(gate.nanosecondsToWait(5, 0)).isZero();
         assertThat(gate.nanosecondsToWait(6, 0)).isEqualTo(MILLISECOND);
         assertThat(gate.nanosecondsToWait(6, MILLISECOND)).isZero();
-        assertThat(heard).extracting(AgentInput.Late::told)
+        assertThat(heard).extracting(news -> ((AgentInput.Late) news).told())
                 .containsExactly(true, false, false, true);
-        assertThat(heard).extracting(AgentInput.Late::count).containsExactly(1L, 2L, 3L, 4L);
+        assertThat(heard).extracting(news -> ((AgentInput.Late) news).count())
+                .containsExactly(1L, 2L, 3L, 4L);
     }
 }

@@ -97,7 +97,7 @@ public final class ServeCommand implements Callable<Integer> {
                     + "message.")
     private Optional<Path> audit = Optional.empty();
 
-    @Option(names = "--deadline", paramLabel = "S", defaultValue = "10",
+    @Option(names = "--deadline", paramLabel = "S", defaultValue = "1",
             description = "Longest time that an agent in lock-step may have its world wait [s] "
                     + "(default: ${DEFAULT-VALUE}).")
     private double deadline;

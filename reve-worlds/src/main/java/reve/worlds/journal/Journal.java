@@ -110,7 +110,8 @@ public final class Journal implements AutoCloseable {
         subscriptions.forEach(Subscription::close);
         subscriptions.clear();
         physics.laws().removeListener(lawListener);
-        if (plan.imageFrames > 0 && lastImage >= 0 && lastFrame > lastImage) {
+        boolean isNewer = lastFrame > lastImage || !world.changes().isEmpty();
+        if (plan.imageFrames > 0 && lastImage >= 0 && isNewer) {
             keepLastImage();
         }
         writer.end();
