@@ -15,6 +15,7 @@ import reve.core.access.Terms;
 import reve.core.rule.Expression;
 import reve.core.rule.ExpressionType;
 import reve.core.rule.Scope;
+import reve.core.text.Suggestion;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
 import reve.core.world.ItemDefinition;

@@ -1,5 +1,6 @@
 package reve.core.file;
 
+import reve.core.text.Suggestion;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;

@@ -8,6 +8,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import reve.core.text.Suggestion;
 import reve.core.world.WorldPrototype;
 
 /** Which items a world file has, by name, and where it mentions them. */

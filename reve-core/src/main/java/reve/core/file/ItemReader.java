@@ -8,6 +8,7 @@ import java.util.Set;
 import java.util.function.BiFunction;
 import java.util.function.Function;
 import reve.core.mesh.Assets;
+import reve.core.text.Suggestion;
 import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;

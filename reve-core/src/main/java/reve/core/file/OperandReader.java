@@ -11,6 +11,7 @@ import reve.core.rule.Expression;
 import reve.core.rule.ExpressionException;
 import reve.core.rule.ExpressionType;
 import reve.core.rule.Scope;
+import reve.core.text.Suggestion;
 import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.Parameter;

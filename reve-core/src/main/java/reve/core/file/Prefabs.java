@@ -1,5 +1,6 @@
 package reve.core.file;
 
+import reve.core.text.Suggestion;
 import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;

@@ -3,7 +3,7 @@ package reve.core.file;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Pattern;
-import reve.core.world.VisibleText;
+import reve.core.text.Visible;
 
 /**
  * Collects what is wrong with a world file and those that it includes; stops taking more when
@@ -129,7 +129,7 @@ final class Problems {
     /** What a file contains must not control the terminal that shows the message. */
     private static Problem problem(Problem.Severity severity, String file, int line, int column,
             String pointer, String message) {
-        return new Problem(severity, file, line, column, pointer, VisibleText.escaped(
+        return new Problem(severity, file, line, column, pointer, Visible.line(
                 CONTROL_CHARACTER.matcher(message).replaceAll(" ")));
     }
 

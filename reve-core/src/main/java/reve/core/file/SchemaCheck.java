@@ -1,5 +1,6 @@
 package reve.core.file;
 
+import reve.core.text.Suggestion;
 import com.networknt.schema.Error;
 import com.networknt.schema.Schema;
 import com.networknt.schema.SchemaLocation;

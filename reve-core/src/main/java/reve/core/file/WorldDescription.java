@@ -53,7 +53,7 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
     /** The same world with other laws. */
     public WorldDescription withLaws(List<LawReference> others) {
         return new WorldDescription(name, doc, prototype, timing, age, others, constants, camera,
-                agents, rules, items, forces);
+                agents, rules, items, forces, warnings);
     }
 
     /** A new world with all items, owned by the calling thread; {@code arena} must outlive it. */

@@ -9,9 +9,9 @@ import java.util.Optional;
 import reve.core.frame.Timing;
 import reve.core.mesh.Assets;
 import reve.core.rule.Rule;
+import reve.core.text.VisibleName;
 import reve.core.unit.Unit;
 import reve.core.world.ItemDefinition;
-import reve.core.world.VisibleText;
 import reve.core.world.WorldPrototype;
 
 /** Reads a whole file whose form was checked; what the schema cannot express is checked here. */
@@ -84,7 +84,7 @@ final class WorldReader {
                     problems.add(nameNode.get(), "duplicate law `" + Node.shorten(name)
                             + "`, first " + Problems.place(first, nameNode.get()));
                 }
-                VisibleText.fault(name).ifPresent(fault -> problems.add(nameNode.get(),
+                VisibleName.fault(name).ifPresent(fault -> problems.add(nameNode.get(),
                         "law `" + Node.shorten(name) + "` " + fault));
                 laws.add(law(name, node, Problems.place(nameNode.get())));
             });

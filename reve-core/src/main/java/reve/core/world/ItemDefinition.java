@@ -51,7 +51,7 @@ public final class ItemDefinition {
     /**
      * Begins a definition: kind body, no shape, at the origin, scenery.
      *
-     * @throws IllegalArgumentException if the name cannot be seen as it is, see {@link VisibleText}
+     * @throws IllegalArgumentException if the name cannot be seen as it is, see {@link VisibleName}
      */
     public static Builder named(String name) {
         return new Builder(Names.requireItemName("item name", name));

@@ -1,6 +1,8 @@
 package reve.core.world;
 
 import java.util.regex.Pattern;
+import reve.core.text.Visible;
+import reve.core.text.VisibleName;
 
 /** The one place that decides what a name may be. */
 final class Names {
@@ -35,12 +37,12 @@ final class Names {
         return name;
     }
 
-    /** As {@link #require}, a new name of an item: {@link VisibleText} finds no fault with it. */
+    /** As {@link #require}, a new name of an item: {@link VisibleName} finds no fault with it. */
     static String requireItemName(String what, String name) {
         require(what, name);
-        VisibleText.fault(name).ifPresent(fault -> {
+        VisibleName.fault(name).ifPresent(fault -> {
             throw new IllegalArgumentException(
-                    what + " \"" + VisibleText.escaped(name) + "\" " + fault);
+                    what + " \"" + Visible.line(name) + "\" " + fault);
         });
         return name;
     }

@@ -45,7 +45,7 @@ class VesperErrorsNativeTest {
     void notFound() {
         PhysicsException law = refusal(() -> orbit.load("no_such_law"));
         assertThat(law.status()).isEqualTo(Status.NOT_FOUND);
-        assertThat(law).hasMessageContaining("'no_such_law' was not found; known are ")
+        assertThat(law).hasMessageContaining("'no_such_law' was not found; looked for [")
             .hasMessageContaining("libvesper_law_no_such_law.so");
         PhysicsException property =
             refusal(() -> orbit.engine.propertyProvider().touch("weight"));

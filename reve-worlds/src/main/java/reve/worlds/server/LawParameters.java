@@ -5,6 +5,7 @@ import java.util.Arrays;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.function.Function;
 import reve.core.file.LawReference;
 import reve.core.unit.Unit;
 import reve.pe.LawParameter;
@@ -41,12 +42,14 @@ final class LawParameters {
     }
 
     /** What a law was refused for: lines with the places of wrong parameters, or of the law. */
-    static List<String> refused(LawReference law, PhysicsException refused,
-            PhysicsEngine engine) {
+    static List<String> refused(LawReference law, PhysicsException refused, PhysicsEngine engine,
+            LawPath lawPath) {
         List<String> wrong = new ArrayList<>();
-        if (!law.mentions().isEmpty() && refusal(law, Map.of(), engine).isEmpty()) {
+        Function<Map<String, Double>, Optional<String>> refusal =
+                parameters -> refusal(law.name(), parameters, engine, lawPath);
+        if (!law.mentions().isEmpty() && refusal.apply(Map.of()).isEmpty()) {
             law.mentions().forEach((name, mention) ->
-                    refusal(law, Map.of(name, law.parameters().get(name)), engine)
+                    refusal.apply(Map.of(name, law.parameters().get(name)))
                             .ifPresent(message -> wrong.add(mention.place() + ": " + message)));
         }
         if (wrong.isEmpty()) {
@@ -56,9 +59,9 @@ final class LawParameters {
     }
 
     /** What the engine has against the law with these parameters. */
-    private static Optional<String> refusal(LawReference law, Map<String, Double> parameters,
-            PhysicsEngine engine) {
-        try (PreparedLibrary prepared = engine.prepare(law.name())) {
+    private static Optional<String> refusal(String law, Map<String, Double> parameters,
+            PhysicsEngine engine, LawPath lawPath) {
+        try (PreparedLibrary prepared = lawPath.prepare(engine, law, lawPath.find(law))) {
             engine.unloadPhysicsLaw(engine.loadPhysicsLaw(prepared, parameters));
             return Optional.empty();
         } catch (PhysicsException refused) {

@@ -10,10 +10,13 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.SortedSet;
+import java.util.TreeSet;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
 import reve.core.mesh.AssetException;
 import reve.core.mesh.WorldFolder;
+import reve.core.text.Suggestion;
 import reve.pe.PhysicsEngine;
 import reve.pe.PhysicsException;
 import reve.pe.PreparedLibrary;
@@ -35,6 +38,8 @@ import reve.worlds.Product;
 public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
         boolean trusted) {
     private static final Pattern NAME = Pattern.compile("[A-Za-z0-9_-]{1,47}");
+    private static final String PREFIX = "libvesper_law_";
+    private static final String SUFFIX = ".so";
     private static final String WORLDS_OWN = "laws";
 
     /** Whose word a library is. */
@@ -70,7 +75,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
         }
         return worldsOwn(file).map(own -> new Found(own, Origin.WORLD)).orElseThrow(() ->
                 new PhysicsException(Status.NOT_FOUND, "law library '" + name
-                        + "' was not found; looked for " + file + " in " + places()));
+                        + "' was not found among " + places() + suggestion(name)));
     }
 
     /** Whether the law is found in the world's own folder and may not be opened. */
@@ -128,8 +133,9 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
                 .noneMatch(place -> holds(place, library.bytes()))) {
             throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, "the law library '"
                     + library.name() + "' (SHA-256 " + library.sha256() + ") in it is native code,"
-                    + " which runs with all of your rights, and equals none in " + operatorsPlaces()
-                    .keySet() + ": it is opened only with --trust, or with --laws DIR that has it");
+                    + " which runs with all of your rights, and equals none of the laws that ship"
+                    + folder.map(own -> " or lie in " + own).orElse("")
+                    + ": it is opened only with --trust, or with --laws DIR that has it");
         }
     }
 
@@ -141,9 +147,29 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     }
 
     private String places() {
-        List<String> places = Stream.concat(operatorsPlaces().keySet().stream(),
-                world.map(own -> own.resolve(WORLDS_OWN)).stream()).map(Path::toString).toList();
-        return String.join(", ", places);
+        return "the laws that ship" + folder.map(own -> ", in " + own).orElse("")
+                + world.map(_ -> ", or in the world's own folder " + WORLDS_OWN + "/").orElse("");
+    }
+
+    /** The name that was probably meant, or else all that there are. */
+    private String suggestion(String wrong) {
+        SortedSet<String> names = new TreeSet<>();
+        Stream.concat(operatorsPlaces().keySet().stream(),
+                world.map(own -> own.resolve(WORLDS_OWN)).stream())
+                .forEach(place -> names.addAll(namesIn(place)));
+        String near = Suggestion.of(wrong, names);
+        return near.isEmpty() ? "; known are " + String.join(", ", names) : near;
+    }
+
+    private static List<String> namesIn(Path folder) {
+        try (Stream<Path> files = Files.list(folder)) {
+            return files.map(file -> file.getFileName().toString())
+                    .filter(file -> file.startsWith(PREFIX) && file.endsWith(SUFFIX))
+                    .map(file -> file.substring(PREFIX.length(), file.length() - SUFFIX.length()))
+                    .toList();
+        } catch (IOException unreadable) {
+            return List.of(); // then it has none that could be meant
+        }
     }
 
     private static String fileOf(String name) {
@@ -151,7 +177,7 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
             throw new PhysicsException(Status.INVALID_ARGUMENT, "'" + name + "' is no name of a "
                     + "law: expected letters, digits, _ and -, 47 of them at most");
         }
-        return "libvesper_law_" + name + ".so";
+        return PREFIX + name + SUFFIX;
     }
 
     /** A regular file in the world's own folder; a link may not lead out of that. */

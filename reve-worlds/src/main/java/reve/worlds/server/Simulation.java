@@ -179,7 +179,7 @@ public final class Simulation implements AutoCloseable {
             }
         } catch (PhysicsException refused) {
             status = refused.status();
-            problems = LawParameters.refused(law, refused, engine);
+            problems = LawParameters.refused(law, refused, engine, lawPath);
         }
         if (!problems.isEmpty()) {
             throw new PhysicsException(status, String.join("\n", problems));

@@ -1,4 +1,4 @@
-package reve.core.world;
+package reve.core.text;
 
 import java.lang.Character.UnicodeScript;
 import java.util.EnumSet;
@@ -11,7 +11,7 @@ import java.util.Set;
  * in the order in which they are seen. Names of any script follow it. Joiners and variation
  * selectors are taken where a script or an emoji needs them.
  */
-public final class VisibleText {
+public final class VisibleName {
     private static final int NON_JOINER = 0x200C;
     private static final int JOINER = 0x200D;
     /** Scripts whose letters a joiner or a non-joiner gives another form. */
@@ -22,7 +22,7 @@ public final class VisibleText {
             UnicodeScript.KANNADA, UnicodeScript.MALAYALAM, UnicodeScript.SINHALA,
             UnicodeScript.KHMER, UnicodeScript.MYANMAR, UnicodeScript.TIBETAN);
 
-    private VisibleText() {}
+    private VisibleName() {}
 
     /** What keeps a text from being seen as it is; empty if nothing does. */
     public static Optional<String> fault(String text) {
@@ -38,23 +38,6 @@ public final class VisibleText {
             }
         }
         return Optional.empty();
-    }
-
-    /** The text with every character that is not seen written as {@code <U+202E>}. */
-    public static String escaped(String text) {
-        if (text.codePoints().noneMatch(VisibleText::isHidden)) {
-            return text;
-        }
-        var out = new StringBuilder();
-        for (int i = 0; i < text.length(); i += Character.charCount(text.codePointAt(i))) {
-            int character = text.codePointAt(i);
-            if (isHidden(character) && !isNeeded(text, i, character)) {
-                out.append('<').append(code(character)).append('>');
-            } else {
-                out.appendCodePoint(character);
-            }
-        }
-        return out.toString();
     }
 
     private static boolean isGap(int character) {

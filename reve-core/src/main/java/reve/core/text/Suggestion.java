@@ -1,18 +1,18 @@
-package reve.core.file;
+package reve.core.text;
 
 import java.util.Collection;
 import java.util.Comparator;
 import java.util.Locale;
 
 /** Finds the name that was probably meant. */
-final class Suggestion {
+public final class Suggestion {
     /** Names beyond these are not looked at, so that a wrong file is refused quickly. */
     private static final int MAX_CANDIDATES = 1_000;
 
     private Suggestion() {}
 
     /** {@code "; did you mean `x`?"}, or nothing if no known name is near. */
-    static String of(String wrong, Collection<String> known) {
+    public static String of(String wrong, Collection<String> known) {
         int limit = Math.max(1, wrong.length() / 3);
         record Candidate(String name, int distance) {}
         return known.stream().limit(MAX_CANDIDATES)
