@@ -56,8 +56,8 @@ class StandstillIT {
 
     /** A server whose actions in Java are those of this test. */
     private Server serve(String environment, String options) throws IOException {
-        return shell.serve(environment + " REVE_CLASSPATH=jar exec \"$REVE/reve\" serve stones.yaml "
-                + options);
+        return shell.serve(environment + " REVE_CLASSPATH=jar exec \"$REVE/reve\" serve"
+                + " stones.yaml " + options);
     }
 
     /** Has an agent do something that may never be answered. */

@@ -253,8 +253,8 @@ public final class FrameLoop {
     }
 
     /**
-     * True while the loop's thread waits for a pause to end, or for the gate or the next frame to be
-     * due, and for these no longer than it intended to. Any thread.
+     * True while the loop's thread waits for a pause to end, or for the gate or the next frame's
+     * time, and for these no longer than it intended to. Any thread.
      */
     public boolean isWaiting() {
         long end = waitEnd.getAcquire();
