@@ -24,18 +24,24 @@ class InstallIT {
     @TempDir
     private Path folder;
 
+    private final Document page =
+            Document.read(Project.ROOT.resolve("docs/operations.md"));
     private Path installed;
     private Path home;
+    private Shell shell;
+
+    InstallIT() throws IOException {}
 
     @Test
     void anInstalledFolderRunsReadOnlyForAnotherUserWithoutTheCheckout() throws Exception {
         Files.setPosixFilePermissions(folder, PosixFilePermissions.fromString("rwxr-xr-x"));
-        installed = folder.resolve("reve");
+        installed = folder.resolve("reve-1");
+        shell = new Shell(folder);
         home = Files.createDirectory(folder.resolve("home"));
         Files.setPosixFilePermissions(home, PosixFilePermissions.fromString("rwxrwxrwx"));
-        Outcome install = Reve.launch("install", installed.toString());
-        assertThat(install.code()).as(install.err()).isZero();
-        sh("chmod -R a-w " + installed + " && mkdir " + folder + "/bin && cp "
+        assertThat(shell.run(page.titled("install.sh").text()))
+                .contains("folder: " + installed, "nothing is missing");
+        shell.run("chmod -R a-w " + installed + " && mkdir " + folder + "/bin && cp "
                 + "$(command -v bash) $(command -v readlink) " + folder + "/bin");
 
         String world = installed.resolve("worlds/spring-orbit").toString();
@@ -46,16 +52,26 @@ class InstallIT {
         Path picture = home.resolve("orbit.png");
         assertThat(run("snapshot", world, "--out", picture.toString()).code()).isZero();
         assertThat(picture).isNotEmptyFile();
-        serve(world);
+        String hash = serve(world);
+        new Shell(home).run(page.titled("backup.sh").text()
+                + "chmod -R a+rwX backup\n");
+        Outcome restored = run("serve", world, "--port", "0", "--json", "--seconds", "0.1",
+                "--store", home.resolve("backup/world.db").toString());
+        assertThat(restored.out()).as(restored.err()).contains("\"stateHash\":\"" + hash + "\"");
         refusesWhatNeedsACheckout();
-        again();
+        refusesToOverwrite();
+        namesWhatIsMissing();
     }
 
-    /** Nothing that the server has opened or was started with lies in the checkout. */
-    private void serve(String world) throws Exception {
+    /**
+     * Nothing that the server has opened or was started with lies in the checkout.
+     *
+     * @return the hash of the state that it ended in
+     */
+    private String serve(String world) throws Exception {
         Path errors = folder.resolve("server.err");
         Process process = new ProcessBuilder(command("serve", world, "--port", "0", "--json",
-                "--store", home.resolve("my.db").toString()))
+                "--store", home.resolve("world.db").toString()))
                 .redirectError(errors.toFile()).start();
         try (Server server = new Server(process,
                 new Server.Events(process.inputReader(), errors))) {
@@ -67,8 +83,9 @@ class InstallIT {
                     .contains(installed + "/native/libvesper.so")
                     .doesNotContain(Project.ROOT + "/");
             process.toHandle().destroy();
-            server.events().await("end", event -> true);
+            String hash = server.events().await("end", event -> true).path("stateHash").asString();
             assertThat(server.exitCode()).isZero();
+            return hash;
         }
     }
 
@@ -82,13 +99,32 @@ class InstallIT {
                 .doesNotContain("install ");
     }
 
-    private void again() throws Exception {
+    private void refusesToOverwrite() throws Exception {
         Outcome again = Reve.launch("install", installed.toString());
         assertThat(again.code()).isEqualTo(2);
         assertThat(again.err()).contains("is there already and may be in use");
+    }
+
+    /** An engine that needs a library which the machine lacks. */
+    private void namesWhatIsMissing() throws Exception {
+        shell.run("""
+                chmod -R u+w reve-1
+                cd reve-1/native
+                echo 'int f(void) { return 1; }' > f.c
+                gcc -shared -fPIC -Wl,-soname,libtbb.so.12 f.c -o libtbb.so.12
+                echo 'int f(void); int g(void) { return f(); }' > g.c
+                rm libvesper.so
+                gcc -shared -fPIC g.c -L. -l:libtbb.so.12 -Wl,-soname,libvesper.so -o libvesper.so
+                mv libtbb.so.12 libgone.so
+                sed -i s/libtbb.so.12/libtbb.so.xx/ libvesper.so
+                """);
+        Outcome check = run("check", installed.resolve("worlds/spring-orbit").toString());
+        assertThat(check.code()).isEqualTo(4);
+        assertThat(check.err()).contains("the engine cannot be loaded", "libvesper.so",
+                "libtbb.so.xx").doesNotContain("\tat ");
         Outcome doctor = Reve.run(List.of(installed.resolve("bin/reve").toString(), "doctor"));
-        assertThat(doctor.code()).as(doctor.err()).isZero();
-        assertThat(doctor.out()).contains("folder: " + installed, "nothing is missing");
+        assertThat(doctor.code()).isEqualTo(1);
+        assertThat(doctor.err()).contains("native/libvesper.so needs libtbb.so.xx");
     }
 
     private Outcome run(String... arguments) throws Exception {
@@ -108,10 +144,5 @@ class InstallIT {
                 installed.resolve("bin/reve").toString()));
         command.addAll(List.of(arguments));
         return command;
-    }
-
-    private static void sh(String script) throws Exception {
-        Outcome outcome = Reve.run(List.of("bash", "-euc", script));
-        assertThat(outcome.code()).as(outcome.err()).isZero();
     }
 }

@@ -3,6 +3,8 @@ package reve.pe.vesper;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import org.jspecify.annotations.Nullable;
+import reve.pe.PhysicsException;
+import reve.pe.Status;
 
 /** Where libvesper lives: the folder that the system property {@code reve.native.path} names. */
 final class NativeFolder {
@@ -28,5 +30,23 @@ final class NativeFolder {
                 + " property " + PROPERTY + " to the folder that holds it");
         }
         return library;
+    }
+
+    /**
+     * Says why a library did not open: looking its symbols up does not, loading it does.
+     *
+     * @param cause what is said if it can be loaded after all
+     */
+    @SuppressWarnings("restricted")
+    static PhysicsException refused(Path library, LinkageError cause) {
+        String reason = library + ": " + cause;
+        try {
+            System.load(library.toString());
+        } catch (UnsatisfiedLinkError unopened) {
+            reason = unopened.getMessage();
+        }
+        return new PhysicsException(Status.LIBRARY_LOAD_FAILED, "the engine cannot be loaded: "
+            + reason + " (`ldd " + library + "` lists the shared libraries that it needs; install"
+            + " those that are not found)");
     }
 }

@@ -332,11 +332,13 @@ public final class VesperEngine implements PhysicsEngine {
 
     /** Compares the structs of this binding with the library's own table. */
     private static void checkLibrary() {
-        NativeFolder.libvesper();
+        Path library = NativeFolder.libvesper();
         try (Arena call = Arena.ofConfined()) {
             MemorySegment count = call.allocate(JAVA_INT);
             MemorySegment first = VesperLibrary.abiLayout(count);
             VesperLayouts.check(VesperLayouts.read(first, count.get(JAVA_INT, 0)));
+        } catch (LinkageError unopened) {
+            throw NativeFolder.refused(library, unopened);
         }
     }
 }
