@@ -1,7 +1,9 @@
 package reve.core.file;
 
+import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
+import java.util.Set;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
 import reve.core.access.Operand;
@@ -24,6 +26,8 @@ final class BodyCheck {
 
     private final Doubts doubts;
     private final Problems problems;
+    /** Where inertia was refused: what repetitions have in common is told once. */
+    private final Set<String> refused = new HashSet<>();
 
     BodyCheck(Doubts doubts, Problems problems) {
         this.doubts = doubts;
@@ -71,7 +75,8 @@ final class BodyCheck {
         for (int axis = 0; axis < 3; axis++) {
             double a = moments[(axis + 1) % 3];
             double b = moments[(axis + 2) % 3];
-            if (a > 0 && b > 0 && moments[axis] - a - b > ROUNDING * moments[axis]) {
+            if (a > 0 && b > 0 && moments[axis] - a - b > ROUNDING * moments[axis]
+                    && refused.add(node.file() + node.pointer())) {
                 doubts.refuse(find(node, "physics", "inertia"), "inertia: no body has moments of "
                         + moments[0] + ", " + moments[1] + " and " + moments[2]
                         + " kg*m^2; expected none larger than the sum of the two others", problems);

@@ -59,7 +59,7 @@ final class EffectReader {
     Optional<Effect> read(Node node) throws WorldFileException {
         List<Node> given = EFFECTS.stream().map(node::get).flatMap(Optional::stream).toList();
         if (given.size() != 1) {
-            if (node.isMapping()) {
+            if (node.isMapping() && !problems.isMisspelt(node)) {
                 problems.add(node, node.label() + ": an effect is exactly one of `"
                         + String.join("`, `", EFFECTS) + "`, found " + given.size());
             }

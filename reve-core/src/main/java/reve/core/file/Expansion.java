@@ -1,5 +1,6 @@
 package reve.core.file;
 
+import java.util.List;
 import java.util.Optional;
 
 /** Items as they are written to items as they are meant: completed by prefabs, and repeated. */
@@ -19,7 +20,7 @@ final class Expansion {
         this.problems = problems;
         this.files = source.files();
         this.values = new Room(problems);
-        this.prefabs = new Prefabs(source.all("prefabs"), problems, values);
+        this.prefabs = new Prefabs(source.named("prefabs"), problems, values);
     }
 
     /** Takes items as they are meant. */
@@ -63,6 +64,29 @@ final class Expansion {
         return prefabs.complete(item);
     }
 
+    /** Prefabs that no item is like. */
+    List<Node> unusedPrefabs() {
+        return prefabs.unused();
+    }
+
+    /** Refuses too many items before any is made; those of tables are counted when they are read. */
+    void requireRoom(List<Node> items) throws WorldFileException {
+        for (Node item : items) {
+            Optional<Node> repeat = item.get("repeat");
+            if (repeat.filter(node -> node.text().isPresent()).isEmpty()) {
+                values.requireItems(repeat.map(Expansion::count).orElse(1L), item);
+            }
+        }
+    }
+
+    private static long count(Node repeat) {
+        double count = 1;
+        for (Node each : repeat.isMapping() ? repeat.children() : List.of(repeat)) {
+            count *= each.number().orElse(1.0);
+        }
+        return (long) Math.max(0, count);
+    }
+
     /** Hands on the item, or all of its repetitions. */
     void expand(Node item, Sink sink) throws WorldFileException {
         if (problems.full()) {
@@ -71,19 +95,21 @@ final class Expansion {
         Node complete = complete(item);
         Optional<Node> repeat = complete.get("repeat");
         if (repeat.isEmpty()) {
-            values.requireItems(1, item);
             sink.accept(complete);
             return;
         }
         Optional<Repetition> repetition = Repetition.read(repeat.get(), files, problems);
         if (repetition.isPresent()) {
-            repeat(complete.without("repeat"), repetition.get(), sink);
+            repeat(complete.without("repeat"), repetition.get(), repeat.get().text().isPresent(),
+                    sink);
         }
     }
 
-    private void repeat(Node item, Repetition repetition, Sink sink)
+    private void repeat(Node item, Repetition repetition, boolean fromTable, Sink sink)
             throws WorldFileException {
-        values.requireItems(repetition.count(), item);
+        if (fromTable) {
+            values.requireItems(repetition.count(), item);
+        }
         var template = new Template(item, repetition.variables(), problems);
         values.require(Math.min(repetition.count(), MAX_VALUES) * (1 + template.size()), item);
         Optional<Node> fixed = item.get("name").filter(node -> node.text()

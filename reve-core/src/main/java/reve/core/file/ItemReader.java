@@ -70,6 +70,7 @@ final class ItemReader {
                 readRepeated(item, repetition, items);
             }
         };
+        expansion.requireRoom(nodes);
         for (Node node : nodes) {
             expansion.expand(node, sink);
         }
@@ -104,6 +105,13 @@ final class ItemReader {
             readAspects(node, kind.get(), true, item.get());
         }
         return item.map(ItemDefinition.Builder::build);
+    }
+
+    /** What may be part of an item; all that comes of it are problems. */
+    void readPart(Node node, String kind) throws WorldFileException {
+        if (kind(node).isPresent()) {
+            readAspects(node, kind, true, ItemDefinition.named("prefab"));
+        }
     }
 
     /** An item that actions create, any number of times. */

@@ -149,6 +149,11 @@ final class Node {
                 : parent.pointer() + "/" + key().replace("~", "~0").replace("/", "~1");
     }
 
+    /** Whether it is in a list, and has no name. */
+    boolean isElement() {
+        return !(key instanceof String);
+    }
+
     boolean isMapping() {
         return value instanceof Map<?, ?>;
     }

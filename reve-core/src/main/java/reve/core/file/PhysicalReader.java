@@ -12,6 +12,7 @@ import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.ItemDefinition;
 import reve.core.world.Material;
+import reve.core.world.ScalarType;
 import reve.core.world.Shape;
 import reve.core.world.Texture;
 import reve.core.world.WorldPrototype;
@@ -108,13 +109,18 @@ final class PhysicalReader {
                         : "`" + key + "` does not go with shape " + name + ", which takes `"
                                 + String.join("` and `", wanted) + "`");
             } else if (value.isEmpty() && wanted.contains(key)) {
+                complete = false;
+                if (problems.isMisspelt(aspect)) {
+                    continue;
+                }
                 problems.add(node.orElseThrow(), "shape " + name + " needs `" + key + "`"
                         + (name.equals("mesh") ? " (or a `file`)" : ""));
-                complete = false;
             }
         }
-        if (complete && node.isPresent()) {
-            attempt(node.get(), () -> form(name, aspect).ifPresent(item::shape));
+        if (complete && node.isPresent() && !problems.isMisspelt(aspect)) {
+            Node size = wanted.stream().map(aspect::get).flatMap(Optional::stream).findFirst()
+                    .orElse(node.get());
+            attempt(size, () -> form(name, aspect).ifPresent(item::shape));
         }
     }
 
@@ -148,8 +154,13 @@ final class PhysicalReader {
     }
 
     private double fraction(Node material, String key, double otherwise) {
-        return material.get(key).flatMap(node -> quantities.number(node, Unit.ONE))
-                .orElse(otherwise);
+        return material.get(key).flatMap(node -> quantities.number(node, Unit.ONE).filter(value -> {
+            boolean fits = value >= 0 && value <= 1;
+            if (!fits) {
+                problems.add(node, key + ": " + value + ", expected 0 to 1");
+            }
+            return fits;
+        })).orElse(otherwise);
     }
 
     private interface Loading<T> {
@@ -166,15 +177,17 @@ final class PhysicalReader {
     }
 
     private Optional<Shape> mesh(Node vertices, Node triangles) {
-        if (!vertices.isList() || !triangles.isList()) {
-            return Optional.empty();
+        if (!vertices.isList() || !triangles.isList() || vertices.children().size() < 3
+                || triangles.children().isEmpty()) {
+            return Optional.empty(); // which the schema reported
         }
         float[] coordinates = new float[3 * vertices.children().size()];
         int[] indices = new int[3 * triangles.children().size()];
         boolean complete = true;
         int next = 0;
         for (Node vertex : vertices.children()) {
-            Optional<double[]> point = quantities.numbers(vertex, 3, METRE);
+            Optional<double[]> point = quantities.numbers(vertex, 3, METRE)
+                    .filter(at -> physics.fits(vertex, ScalarType.F32, at));
             complete &= point.isPresent();
             for (int axis = 0; axis < 3 && point.isPresent(); axis++) {
                 coordinates[next++] = (float) point.get()[axis];

@@ -41,7 +41,7 @@ final class PhysicsReader {
     }
 
     void read(Node aspect, String kind, Sink sink) {
-        for (Node value : aspect.children()) {
+        for (Node value : aspect.isMapping() ? aspect.children() : List.<Node>of()) {
             if (problems.full()) {
                 return;
             }

@@ -2,10 +2,12 @@ package reve.core.file;
 
 import reve.core.text.Suggestion;
 import java.util.HashMap;
+import java.util.HashSet;
 import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Optional;
 import java.util.Set;
 
@@ -18,6 +20,8 @@ final class Prefabs {
     private final Expansion.Room values;
     private final Map<String, Node> given = new LinkedHashMap<>();
     private final Map<String, Node> complete = new HashMap<>();
+    /** Names of those that something other than a prefab is like. */
+    private final Set<String> used = new HashSet<>();
 
     /**
      * @param prefabs mappings under their names; of several with one name, the first counts
@@ -41,7 +45,21 @@ final class Prefabs {
 
     /** What an item says, over what the prefab says that it is like, if it is like one. */
     Node complete(Node item) throws WorldFileException {
+        item.get("like").flatMap(Node::text).ifPresent(used::add);
         return complete(item, new LinkedHashSet<>());
+    }
+
+    /** Those that nothing is like, not even by way of others, as they are meant. */
+    List<Node> unused() {
+        Set<String> reached = new HashSet<>();
+        for (String name : used) {
+            Optional<Node> next = Optional.ofNullable(given.get(name));
+            while (next.isPresent() && reached.add(next.get().key())) {
+                next = next.get().get("like").flatMap(Node::text).map(given::get);
+            }
+        }
+        return given.keySet().stream().filter(name -> !reached.contains(name))
+                .map(complete::get).filter(Objects::nonNull).filter(Node::isMapping).toList();
     }
 
     /** @param users prefabs that are being completed, the innermost last */

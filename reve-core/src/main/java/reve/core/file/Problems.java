@@ -1,7 +1,9 @@
 package reve.core.file;
 
 import java.util.ArrayList;
+import java.util.HashSet;
 import java.util.List;
+import java.util.Set;
 import java.util.regex.Pattern;
 import reve.core.text.Visible;
 
@@ -18,20 +20,24 @@ final class Problems {
     private final String file;
     private final List<Problem> found;
     private final List<Problem> warnings;
+    /** Mappings in which a key is not known: what they seem to lack may be that. */
+    private final Set<String> misspelt;
 
     Problems(String file) {
-        this(file, new ArrayList<>(), new ArrayList<>());
+        this(file, new ArrayList<>(), new ArrayList<>(), new HashSet<>());
     }
 
-    private Problems(String file, List<Problem> found, List<Problem> warnings) {
+    private Problems(String file, List<Problem> found, List<Problem> warnings,
+            Set<String> misspelt) {
         this.file = file;
         this.found = found;
         this.warnings = warnings;
+        this.misspelt = misspelt;
     }
 
     /** The same problems, to be told of another file. */
     Problems of(String otherFile) {
-        return new Problems(otherFile, found, warnings);
+        return new Problems(otherFile, found, warnings, misspelt);
     }
 
     /** The file that is being read. */
@@ -57,11 +63,14 @@ final class Problems {
 
     /** Notes a problem with the value of a node; of a single value, the first one says enough. */
     void add(Node node, String message) {
-        boolean single = !node.isMapping() && !node.isList();
-        if (!single || found.stream().noneMatch(problem -> problem.file().equals(node.file())
-                && problem.pointer().equals(node.pointer()))) {
+        if (isFirst(node)) {
             add(problem(node.file(), node.line(), node.column(), node.pointer(), message));
         }
+    }
+
+    private boolean isFirst(Node node) {
+        return node.isMapping() || node.isList() || found.stream().noneMatch(problem ->
+                problem.file().equals(node.file()) && problem.pointer().equals(node.pointer()));
     }
 
     /** Notes a problem at a character of a text, from 0; of a text in block style, at its start. */
@@ -70,13 +79,26 @@ final class Problems {
         add(problem(node.file(), node.line(), column, node.pointer(), message));
     }
 
-    /** Notes a problem with the key that a node stands under. */
+    /** Notes a problem with the key that a node stands under, as {@link #add(Node, String)}. */
     void addAtKey(Node node, String message) {
-        add(problem(node.file(), node.keyLine(), node.keyColumn(), node.pointer(), message));
+        if (isFirst(node)) {
+            add(problem(node.file(), node.keyLine(), node.keyColumn(), node.pointer(), message));
+        }
     }
 
     void add(int line, int column, String pointer, String message) {
         add(problem(file, line, column, pointer, message));
+    }
+
+    /** Notes a key that a mapping cannot have. */
+    void addUnknownKey(Node mapping, Node node, String message) {
+        misspelt.add(mapping.file() + mapping.pointer());
+        addAtKey(node, message);
+    }
+
+    /** Whether a key of the mapping is not known, so that what it lacks needs no telling. */
+    boolean isMisspelt(Node mapping) {
+        return misspelt.contains(mapping.file() + mapping.pointer());
     }
 
     /** Notes what does not keep a file from being valid. */

@@ -2,9 +2,11 @@ package reve.core.file;
 
 import java.util.Arrays;
 import java.util.HashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.function.DoubleUnaryOperator;
+import java.util.regex.MatchResult;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import reve.core.unit.Unit;
@@ -24,6 +26,7 @@ final class Quantities {
     private static final Pattern NO_SPACE =
             Pattern.compile("(?<number>" + NUMBER + ")(?<unit>[\\p{L}°%].*)");
     private static final Pattern LIST = Pattern.compile("\\[([^\\[\\]]*)\\](.*)");
+    private static final Pattern DECIMAL_COMMA = Pattern.compile("\\d+,\\d+");
     private static final Pattern GAP = Pattern.compile("\\s*,\\s*|\\s+");
 
     private final Problems problems;
@@ -70,7 +73,8 @@ final class Quantities {
         Unit from = parsed.get().unit.orElse(Unit.ONE);
         double[] numbers = parsed.get().numbers;
         if (numbers.length != 1) {
-            return refuse(node, "found " + plural(numbers.length) + ", expected one");
+            return refuse(node, "found " + plural(numbers.length) + ", expected one"
+                    + commaHint(node, 1));
         }
         return finite(node, numbers, from, from::toSi)
                 .map(values -> new Quantity(values[0], parsed.get().unit));
@@ -109,7 +113,14 @@ final class Quantities {
     private Optional<double[]> counted(Node node, double[] numbers, int count, Unit unit) {
         return numbers.length == count ? Optional.of(numbers)
                 : refuse(node, "found " + plural(numbers.length) + ", expected "
-                        + expected(count, unit));
+                        + expected(count, unit) + commaHint(node, count));
+    }
+
+    private static String commaHint(Node node, int count) {
+        Matcher comma = DECIMAL_COMMA.matcher(node.text().orElse(""));
+        List<String> numbers = comma.results().map(MatchResult::group).toList();
+        return numbers.size() != count ? "" : "; a decimal point is written `.`, as in `"
+                + numbers.getFirst().replace(',', '.') + "`";
     }
 
     /** Takes a text apart into leading numbers and what follows them. */
@@ -134,6 +145,10 @@ final class Quantities {
         double[] numbers = new double[count];
         for (int i = 0; i < count; i++) {
             numbers[i] = Double.parseDouble(words[i]);
+            if (Double.isInfinite(numbers[i])) {
+                return refuse(node, "`" + Node.shorten(words[i])
+                        + "` is too large for a 64-bit number");
+            }
         }
         if (count == 0 || bracketed && count < words.length) {
             return refuse(node, noNumber(words[count], text, expected));

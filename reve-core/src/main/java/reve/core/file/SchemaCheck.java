@@ -14,9 +14,11 @@ import java.math.BigDecimal;
 import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.Collection;
+import java.util.Comparator;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.regex.Pattern;
 import java.util.stream.Collectors;
 import tools.jackson.core.JsonPointer;
 import tools.jackson.databind.JsonNode;
@@ -44,6 +46,8 @@ final class SchemaCheck {
     private static final Map<String, String> TYPES = Map.of(
             "object", "a mapping", "array", "a list", "string", "a text", "number", "a number",
             "integer", "a whole number", "boolean", "true or false");
+
+    private static final Pattern DIGITS = Pattern.compile("\\d+( .*)?");
 
     private final Problems problems;
 
@@ -80,15 +84,25 @@ final class SchemaCheck {
     }
 
     private void report(List<Error> errors, Node base) {
-        for (Error error : errors) {
+        List<Error> unknownFirst = errors.stream().sorted(Comparator.comparing(
+                error -> !error.getKeyword().equals("additionalProperties"))).toList();
+        for (Error error : unknownFirst) {
             if (problems.full()) {
                 return;
             }
             Node node = resolve(base, error.getInstanceLocation());
             switch (error.getKeyword()) {
+                case "type" -> {
+                    if (!tellsOfDecimalComma(base, error, node)) {
+                        problems.add(node, subject(node) + message(error, node));
+                    }
+                }
                 case "additionalProperties" -> {
                     Node extra = node.get(error.getProperty()).orElse(node);
-                    problems.addAtKey(extra, "unknown key `" + Node.shorten(extra.key()) + "`"
+                    if (tellsOfDecimalComma(base, error, extra)) {
+                        break;
+                    }
+                    problems.addUnknownKey(node, extra, "unknown key `" + Node.shorten(extra.key()) + "`"
                             + hintForUnknownKey(error));
                 }
                 case "propertyNames" -> {
@@ -96,9 +110,32 @@ final class SchemaCheck {
                     problems.addAtKey(named, "`" + Node.shorten(named.key())
                             + "` is not a name; expected " + description(error.getSchemaNode()));
                 }
+                case "required" -> {
+                    if (!problems.isMisspelt(node)) {
+                        problems.add(node, subject(node) + message(error, node));
+                    }
+                }
                 default -> problems.add(node, subject(node) + message(error, node));
             }
         }
+    }
+
+    /** In braces, {@code mass: 0,5} is a mass of 0, and a key 5 without a value. */
+    private boolean tellsOfDecimalComma(Node base, Error error, Node node) {
+        boolean comma = node.isNothing() && DIGITS.matcher(node.key()).matches()
+                && !node.isElement();
+        if (comma) {
+            problems.addUnknownKey(mapping(base, error, node), node, "`" + Node.shorten(node.key()) + "` stands for itself; if it "
+                    + "is part of a number, a decimal point is written `.`, as in `0."
+                    + Node.shorten(node.key().split(" ")[0]) + "`");
+        }
+        return comma;
+    }
+
+    /** What the node is in, which the library reports for keys that it does not know. */
+    private static Node mapping(Node base, Error error, Node node) {
+        Node reported = resolve(base, error.getInstanceLocation());
+        return reported == node ? resolve(base, error.getInstanceLocation().getParent()) : reported;
     }
 
     private static String subject(Node node) {
@@ -126,6 +163,7 @@ final class SchemaCheck {
                     + ", expected at least " + rule + " in it";
             case "maxItems", "maxProperties" -> "found " + node.describe() + ", expected at most "
                     + rule + " in it";
+            case "dependentRequired" -> "`body` is missing, which `places` are for";
             default -> error.getMessage();
         };
     }

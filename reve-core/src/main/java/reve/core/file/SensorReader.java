@@ -81,7 +81,8 @@ final class SensorReader {
         try {
             return Optional.of(sensor.get());
         } catch (IllegalArgumentException refused) {
-            problems.add(node, refused.getMessage());
+            String subject = refused.getMessage().split(":", 2)[0];
+            problems.add(node.get(subject).orElse(node), refused.getMessage());
             return Optional.empty();
         }
     }

@@ -69,6 +69,24 @@ final class Template {
         return all;
     }
 
+    /** The mapping without the values in which formulas stand. */
+    static Node withoutFormulas(Node mapping) {
+        Map<String, Node> fields = new LinkedHashMap<>();
+        for (Node value : mapping.children()) {
+            if (value.isMapping()) {
+                fields.put(value.key(), withoutFormulas(value));
+            } else if (!hasFormula(value)) {
+                fields.put(value.key(), value);
+            }
+        }
+        return mapping.withValue(fields);
+    }
+
+    private static boolean hasFormula(Node node) {
+        return node.text().filter(text -> text.indexOf('{') >= 0).isPresent()
+                || node.children().stream().anyMatch(Template::hasFormula);
+    }
+
     private Maker item(Node item) {
         return composed(item, child -> child.isMapping()
                 ? composed(child, value -> part(child.key(), value)) : part("", child));
@@ -184,7 +202,7 @@ final class Template {
             if (bad == value.length) {
                 return value;
             }
-            wrong = "is " + value[bad];
+            wrong = "is not a finite number";
         } catch (IllegalArgumentException mismatch) {
             wrong = mismatch.getMessage();
         }

@@ -33,7 +33,7 @@ final class WorldReader {
         Node root = source.world();
         var prototypeReader = new PrototypeReader(problems);
         var ruleReader = new RuleReader(problems);
-        WorldPrototype prototype = ruleReader.readSymbols(source.all("symbols"),
+        WorldPrototype prototype = ruleReader.readSymbols(source.named("symbols"),
                 prototypeReader.read(root, source.all("properties")));
         var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
         var expansion = new Expansion(source, problems);
@@ -50,7 +50,12 @@ final class WorldReader {
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
         AgentPolicy agents = root.get("agents").isEmpty() ? AgentPolicy.none()
                 : agents(root.get("agents").get(), itemReader, new BodyCheck(doubts, problems));
-        List<Rule> rules = ruleReader.readRules(source.all("rules"), prototype);
+        var prefabs = new PrefabCheck(prototype, new ItemReader(prototype, physics, assets,
+                source.files()::pathOf, expansion::complete, doubts, problems));
+        for (Node prefab : expansion.unusedPrefabs()) {
+            prefabs.check(prefab);
+        }
+        List<Rule> rules = ruleReader.readRules(source.named("rules"), prototype);
         problems.throwIfAny();
         return new WorldDescription(text(root, "name"), text(root, "doc"), prototype,
                 timing(root), age, laws, constants, camera,

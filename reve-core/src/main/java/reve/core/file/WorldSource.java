@@ -50,6 +50,12 @@ record WorldSource(Node world, List<Node> parts, SourceFiles files) {
         return each(key).stream().flatMap(node -> node.children().stream()).toList();
     }
 
+    /** What a key holds by name, in all files together. */
+    List<Node> named(String key) {
+        return each(key).stream().filter(Node::isMapping)
+                .flatMap(node -> node.children().stream()).toList();
+    }
+
     private static final class Reader {
         private final SourceFiles files;
         private final Problems problems;

@@ -78,7 +78,7 @@ final class YamlReader {
                 reader.take(events.next());
             }
         } catch (MarkedYamlEngineException syntax) {
-            throw reader.fatal(syntax.getProblemMark(), sentence(syntax));
+            throw reader.notYaml(text, syntax);
         } catch (ReaderException unprintable) {
             throw fatalAt(text, unprintable, problems);
         } catch (YamlVersionException version) {
@@ -283,10 +283,35 @@ final class YamlReader {
                 mark.map(Mark::getColumn).orElse(0) + 1, message);
     }
 
+    /** Blames the quote or bracket that is not closed, if one is. */
+    private WorldFileException notYaml(String text, MarkedYamlEngineException syntax) {
+        int line = syntax.getProblemMark().map(Mark::getLine).orElse(0) + 1;
+        int column = syntax.getProblemMark().map(Mark::getColumn).orElse(0) + 1;
+        Optional<Unclosed.Opening> opening = Unclosed.find(text, line, column);
+        if (opening.isEmpty()) {
+            return problems.fatal(line, column, sentence(syntax));
+        }
+        Unclosed.Opening open = opening.get();
+        boolean comment = text.lines().skip(open.line() - 1L).findFirst().orElse("")
+                .contains(" #");
+        return problems.fatal(open.line(), open.column(), "`" + open.sign() + "` is not closed, "
+                + "which was noticed on line " + line
+                + (comment ? "; a # begins a comment unless it is in quotes" : ""));
+    }
+
     /** The parser's two half sentences as one, without its picture of the line. */
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
-        String problem = syntax.getProblem();
+        String problem = syntax.getProblem().replaceAll(" ?\\(Do not use [^\\t].* for "
+                + "indentation\\)", " Put the text in quotes");
+        if (problem.startsWith("mapping values are not allowed")) {
+            return "not valid YAML: a `:` makes no key here; put a text that holds `: ` in quotes, "
+                    + "and begin all keys of a mapping in one column";
+        }
+        if (problem.startsWith("expected <block end>")) {
+            return "not valid YAML: this is neither a key nor an element of what stands above; "
+                    + "look at the indentation, and at quotes within quotes";
+        }
         return "not valid YAML: " + (context == null ? problem : context + ", " + problem);
     }
 

@@ -51,7 +51,8 @@ final class ObjMeshReader {
                     .read();
         } catch (IOException | RuntimeException broken) {
             // The library answers some broken files with unchecked exceptions.
-            throw sources.refuse("not OBJ: " + broken.getMessage());
+            throw sources.refuse("not OBJ: " + ObjLines.fault(bytes)
+                    .orElse("its lines do not fit together"));
         }
     }
 
@@ -103,7 +104,8 @@ final class ObjMeshReader {
                 materials.put(mtl.getName(), material(mtl));
             }
         } catch (IOException | RuntimeException broken) {
-            throw sources.refuse("material library " + name + ": " + broken.getMessage());
+            throw sources.refuse("material library " + name + " is not MTL: one of its lines has "
+                    + "no number where one is expected");
         }
     }
 

@@ -101,7 +101,8 @@ class IncludeTest {
         write("world.yaml", START + "include: [a.yaml]\n");
         write("a.yaml", "items: [\n");
 
-        assertThat(problems()).singleElement().asString().startsWith("a.yaml:2:1: not valid YAML");
+        assertThat(problems()).singleElement().asString().isEqualTo(
+                "a.yaml:1:8: `[` is not closed, which was noticed on line 2");
     }
 
     @Test

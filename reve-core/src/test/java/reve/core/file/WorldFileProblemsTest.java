@@ -56,7 +56,7 @@ class WorldFileProblemsTest {
             constants: {softening: -.INF}         ! 24 ! softening: `-.INF` is not a finite number
             constants: {softening: NaN}           ! 24 ! softening: `NaN` is not a finite number
             constants: {softening: 1e999}         ! 24 ! softening: `1e999` is too large for a 64-bit number
-            constants: {softening: 1e999 m}       ! 24 ! softening: Infinity m is too large for a 64-bit number
+            constants: {softening: 1e999 m}       ! 24 ! softening: `1e999` is too large for a 64-bit number
             constants: {softening: 1e308 km}      ! 24 ! softening: 1.0E308 km is too large for a 64-bit number
             constants: {softening: 3m}            ! 24 ! softening: `3m` needs a space between number and unit: `3 m`
             constants: {softening: 3 °C}          ! 24 ! softening: unit `°C`: it is not a plain multiple of SI units (for temperatures use K)

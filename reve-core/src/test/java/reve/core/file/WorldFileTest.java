@@ -216,17 +216,25 @@ class WorldFileTest {
 
     @Test
     void lawParametersBecomeSi() throws WorldFileException {
-        assertThat(parse("""
+        List<LawReference> laws = parse("""
                 reve: 1
                 name: w
                 laws:
                   - newton_motion
                   - name: drag
                     parameters: {density: 1.2 g/l, wind: 36 km/h, factor: 3, turn: 180 deg}
-                """).laws()).containsExactly(
-                new LawReference("newton_motion", Map.of(), "world.yaml:4:5"),
-                new LawReference("drag", Map.of("density", 1.2, "wind", 10.0, "factor", 3.0,
-                        "turn", Math.PI), "world.yaml:5:11"));
+                """).laws();
+        assertThat(laws.getFirst())
+                .isEqualTo(new LawReference("newton_motion", Map.of(), "world.yaml:4:5"));
+        LawReference drag = laws.getLast();
+        assertThat(drag.name()).isEqualTo("drag");
+        assertThat(drag.place()).isEqualTo("world.yaml:5:11");
+        assertThat(drag.parameters()).isEqualTo(
+                Map.of("density", 1.2, "wind", 10.0, "factor", 3.0, "turn", Math.PI));
+        assertThat(drag.mentions()).containsEntry("wind", new LawReference.Mention(
+                "world.yaml:6:36", Optional.of(Unit.parse("km/h"))))
+                .containsEntry("factor",
+                        new LawReference.Mention("world.yaml:6:51", Optional.empty()));
     }
 
     @Test

@@ -1,0 +1,88 @@
+package reve.core.file;
+
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Set;
+import reve.core.world.PropertyDescriptor;
+import reve.core.world.WorldPrototype;
+
+/**
+ * Checks prefabs that no item is like, so that a typo is told before the prefab is needed. What
+ * only an item can complete is left open: formulas, half a shape, the items that it refers to.
+ */
+final class PrefabCheck {
+    private static final List<String> SHAPE_KEYS =
+            List.of("shape", "radius", "size", "vertices", "triangles", "file");
+    private static final Map<String, Set<String>> WHOLE = Map.of("sphere", Set.of("radius"),
+            "box", Set.of("size"), "plane", Set.of("size"),
+            "mesh", Set.of("vertices", "triangles"));
+
+    private final WorldPrototype prototype;
+    private final ItemReader reader;
+
+    /** @param reader for these only: the items that prefabs refer to need not be there */
+    PrefabCheck(WorldPrototype prototype, ItemReader reader) {
+        this.prototype = prototype;
+        this.reader = reader;
+    }
+
+    void check(Node prefab) throws WorldFileException {
+        Node part = Template.withoutFormulas(prefab);
+        if (part.get("physical").filter(PrefabCheck::hasWholeShape).isEmpty()) {
+            part = without(without(part, "physical", SHAPE_KEYS), "physics", List.of("density"));
+            part = without(part, "physical", List.of("material"));
+        }
+        for (Node action : part.get("access").map(Node::children).orElse(List.of())) {
+            if (action.get("effects").isEmpty() && action.get("java").isEmpty()) {
+                part = without(part, "access", List.of(action.key()));
+            }
+        }
+        reader.readPart(part, kind(part));
+    }
+
+    private static boolean hasWholeShape(Node physical) {
+        String shape = physical.get("shape").flatMap(Node::text).orElse("");
+        return shape.equals("mesh") && physical.get("file").isPresent()
+                || WHOLE.containsKey(shape)
+                        && WHOLE.get(shape).stream().allMatch(key -> physical.get(key).isPresent());
+    }
+
+    private static Node without(Node item, String aspect, List<String> keys) {
+        Optional<Node> mapping = item.get(aspect).filter(Node::isMapping);
+        if (mapping.isEmpty()) {
+            return item;
+        }
+        Node left = mapping.get();
+        for (String key : keys) {
+            left = left.without(key);
+        }
+        Map<String, Node> fields = new LinkedHashMap<>();
+        for (Node child : item.children()) {
+            fields.put(child.key(), child.key().equals(aspect) ? left : child);
+        }
+        return item.withValue(fields);
+    }
+
+    /** The kind that is said, or else the one that has most of the properties. */
+    private String kind(Node prefab) {
+        Optional<String> said = prefab.get("kind").flatMap(Node::text);
+        if (said.isPresent() || prefab.get("physical").isPresent()
+                || prefab.get("sensors").isPresent() || prefab.get("physics").isEmpty()) {
+            return said.orElse(WorldPrototype.BODY);
+        }
+        String best = WorldPrototype.BODY;
+        for (PropertyDescriptor property : prototype.properties()) {
+            if (known(prefab, property.kind()) > known(prefab, best)) {
+                best = property.kind();
+            }
+        }
+        return best;
+    }
+
+    private long known(Node prefab, String kind) {
+        return prefab.get("physics").orElseThrow().children().stream()
+                .filter(value -> prototype.find(kind, value.key()).isPresent()).count();
+    }
+}

@@ -1,0 +1,161 @@
+package reve.core.file;
+
+import java.util.ArrayDeque;
+import java.util.Deque;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * Finds the quote or bracket that a YAML parser missed the end of: the parser complains where it
+ * gave up, which may be the end of the file. Follows quotes, comments, brackets and block texts, no
+ * more of YAML.
+ */
+final class Unclosed {
+    /**
+     * A quote or bracket.
+     *
+     * @param line from 1
+     * @param column from 1
+     * @param indent of its line
+     */
+    record Opening(char sign, int line, int column, int indent) {}
+
+    private final String text;
+    private final Deque<Opening> brackets = new ArrayDeque<>();
+    private int at;
+    private int line = 1;
+    private int lineStart;
+    /** The quoted text read last, if it is of several lines. */
+    private @Nullable Opening quote;
+    private int quoteEnd;
+
+    private Unclosed(String text) {
+        this.text = text;
+    }
+
+    /**
+     * What is not closed where a parser gave up.
+     *
+     * @param problemLine from 1
+     * @param problemColumn from 1
+     */
+    static Optional<Opening> find(String text, int problemLine, int problemColumn) {
+        var scan = new Unclosed(text);
+        scan.read(problemLine, problemColumn);
+        if (scan.quote != null && scan.quoteEnd >= problemLine) {
+            return Optional.of(scan.quote);
+        }
+        boolean atEnd = text.substring(Math.min(scan.at, text.length())).lines()
+                .allMatch(rest -> rest.isBlank() || rest.stripLeading().startsWith("#"));
+        int indent = scan.indentOf(problemLine);
+        return Optional.ofNullable(scan.brackets.peekLast()).filter(opening -> atEnd
+                || opening.line < problemLine && indent <= opening.indent);
+    }
+
+    private void read(int toLine, int toColumn) {
+        boolean tokenStart = true;
+        while (at < text.length()
+                && (line < toLine || line == toLine && at - lineStart + 1 < toColumn)) {
+            char c = text.charAt(at);
+            if (c == '\n') {
+                newLine();
+                tokenStart = true;
+            } else if (c == '#' && (at == lineStart || isBlank(text.charAt(at - 1)))) {
+                skipLine();
+            } else if (tokenStart && (c == '"' || c == '\'')) {
+                readQuoted(c);
+                tokenStart = false;
+            } else if (c == '{' || c == '[') {
+                if (tokenStart || !brackets.isEmpty()) {
+                    brackets.addLast(opening(c));
+                    tokenStart = true;
+                }
+                at++;
+            } else if (c == '}' || c == ']') {
+                brackets.pollLast();
+                tokenStart = false;
+                at++;
+            } else if (tokenStart && (c == '|' || c == '>') && brackets.isEmpty()) {
+                skipBlock();
+            } else {
+                tokenStart = c == ',' && !brackets.isEmpty() || isBlank(c) && tokenStart
+                        || (c == ':' || c == '-' && tokenStart) && isBlankAt(at + 1);
+                at++;
+            }
+        }
+    }
+
+    private void readQuoted(char sign) {
+        Opening begin = opening(sign);
+        at++;
+        while (at < text.length() && text.charAt(at) != sign) {
+            if (text.charAt(at) == '\\' && sign == '"') {
+                at++;
+            }
+            if (at < text.length() && text.charAt(at) == '\n') {
+                newLine();
+            } else {
+                at++;
+            }
+        }
+        if (begin.line < line || at >= text.length()) {
+            quote = begin;
+            quoteEnd = line;
+        }
+        at++;
+    }
+
+    /** Lines of a block text are indented deeper than the line that it begins in. */
+    private void skipBlock() {
+        int indent = indentOf(line);
+        skipLine();
+        while (at < text.length()) {
+            int next = at + 1;
+            int depth = 0;
+            while (next + depth < text.length() && text.charAt(next + depth) == ' ') {
+                depth++;
+            }
+            boolean empty = next + depth >= text.length() || text.charAt(next + depth) == '\n';
+            if (!empty && depth <= indent) {
+                return;
+            }
+            newLine();
+            skipLine();
+        }
+    }
+
+    private void skipLine() {
+        int end = text.indexOf('\n', at);
+        at = end < 0 ? text.length() : end;
+    }
+
+    private void newLine() {
+        at++;
+        line++;
+        lineStart = at;
+    }
+
+    private Opening opening(char sign) {
+        return new Opening(sign, line, at - lineStart + 1, indentOf(line));
+    }
+
+    private int indentOf(int which) {
+        int start = lineStart;
+        for (int other = line; other > which; other--) {
+            start = text.lastIndexOf('\n', start - 2) + 1;
+        }
+        int indent = 0;
+        while (start + indent < text.length() && text.charAt(start + indent) == ' ') {
+            indent++;
+        }
+        return indent;
+    }
+
+    private boolean isBlankAt(int index) {
+        return index >= text.length() || isBlank(text.charAt(index));
+    }
+
+    private static boolean isBlank(char c) {
+        return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+    }
+}
