@@ -10,7 +10,6 @@ import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
 import java.nio.channels.ServerSocketChannel;
 import java.nio.channels.SocketChannel;
-import java.time.Clock;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.HashSet;
@@ -58,6 +57,8 @@ public final class AgentServer implements AutoCloseable {
     private List<Connection> throttled = new ArrayList<>();
     private long readThrottledNanos = System.nanoTime();
     private final Optional<AuditLog> audit;
+    /** The event loop's own, as long as it runs. */
+    private final List<FileProblem> fileProblems;
     private final Attempts attempts = new Attempts();
     private volatile boolean closed;
 
@@ -65,14 +66,15 @@ public final class AgentServer implements AutoCloseable {
      * Begins to listen.
      *
      * @param ports of worlds of different names, at least one
+     * @param problems receives what is wrong with the server's files while it runs
      * @throws BindException naming the address if it cannot be had
      * @throws IOException if the audit file cannot be written
      */
-    public static AgentServer start(AgentServerConfig config, List<WorldPort> ports)
-            throws IOException {
+    public static AgentServer start(AgentServerConfig config, List<WorldPort> ports,
+            ServerProblems problems) throws IOException {
         ServerSocketChannel listening = listen(config.address());
         try {
-            var server = new AgentServer(config, ports, listening, openAudit(config));
+            var server = new AgentServer(config, ports, listening, openAudit(config), problems);
             server.loop.start();
             server.writers.start();
             return server;
@@ -84,14 +86,16 @@ public final class AgentServer implements AutoCloseable {
 
     private static Optional<AuditLog> openAudit(AgentServerConfig config) throws IOException {
         return config.audit().isPresent()
-                ? Optional.of(new AuditLog(config.audit().get(), Clock.systemUTC()))
+                ? Optional.of(new AuditLog(config.audit().get()))
                 : Optional.empty();
     }
 
     private AgentServer(AgentServerConfig config, List<WorldPort> ports,
-            ServerSocketChannel listening, Optional<AuditLog> audit) throws IOException {
+            ServerSocketChannel listening, Optional<AuditLog> audit, ServerProblems problems)
+            throws IOException {
         this.audit = audit;
         this.config = config;
+        this.fileProblems = fileProblems(config.security(), audit, problems);
         int all = config.limits().maxConnections();
         this.strangers = new Strangers(all - all / 4);
         this.listening = listening;
@@ -107,6 +111,18 @@ public final class AgentServer implements AutoCloseable {
                 .toList();
     }
 
+    private static List<FileProblem> fileProblems(AgentSecurity security,
+            Optional<AuditLog> audit, ServerProblems listener) {
+        var problems = new ArrayList<FileProblem>();
+        audit.ifPresent(log ->
+                problems.add(new FileProblem("audit", log::problem, log::solved, listener)));
+        security.tokens().ifPresent(tokens ->
+                problems.add(new FileProblem("tokens", tokens::problem, tokens::solved, listener)));
+        security.tls().ifPresent(tls ->
+                problems.add(new FileProblem("tls", tls::problem, tls::solved, listener)));
+        return List.copyOf(problems);
+    }
+
     private static long shortest(AgentTimeouts timeouts) {
         return Stream.of(timeouts.hello(), timeouts.line(), timeouts.idle(), timeouts.write(),
                         timeouts.linger())
@@ -119,7 +135,7 @@ public final class AgentServer implements AutoCloseable {
     }
 
     public AgentStats stats() {
-        return counters.read();
+        return counters.read(audit.map(AuditLog::unrecorded).orElse(0L));
     }
 
     /** A world makes no more frames: says bye to everybody who is in it, and lets nobody in. */
@@ -151,6 +167,7 @@ public final class AgentServer implements AutoCloseable {
             Thread.currentThread().interrupt();
         }
         writers.stop();
+        fileProblems.forEach(FileProblem::check);
         audit.ifPresent(AgentServer::closeQuietly);
     }
 
@@ -190,6 +207,8 @@ public final class AgentServer implements AutoCloseable {
             List.copyOf(connections).forEach(connection -> connection.checkDeadlines(nowNanos));
             worlds.forEach(world -> world.checkGrace(nowNanos));
             readThrottled();
+            config.security().tls().ifPresent(ServerTls::refresh);
+            fileProblems.forEach(FileProblem::check);
             config.security().tokens().map(TokenFile::current)
                     .ifPresent(current -> worlds.forEach(world -> world.checkTokens(current)));
             if (accepting.isValid()) {
@@ -269,6 +288,7 @@ public final class AgentServer implements AutoCloseable {
             return resume(connection, hello, hello.resume().get());
         }
         Optional<AgentToken> token = requireToken(connection, hello);
+        requireRecord();
         Rights rights = token.map(AgentToken::rights).orElse(Rights.ALL);
         ServedWorld world = requireWorld(hello.world(), rights);
         requireOpen(hello, role, token, world);
@@ -279,19 +299,34 @@ public final class AgentServer implements AutoCloseable {
         return world.greet(connection, role, hello, token);
     }
 
+    private void requireRecord() throws Ending {
+        if (audit.isPresent() && !audit.get().isServing()) {
+            throw notRecorded();
+        }
+    }
+
+    /** The server may send nothing without a record. */
+    static Ending notRecorded() {
+        return Ending.refused("not-recorded",
+                "the server sends nothing without a record, and cannot write it now",
+                "try again later");
+    }
+
     private Session resume(Connection connection, ClientMessage.Hello hello,
             ClientMessage.Resume resume) throws Ending {
-        requireAttempt(connection);
-        Session session = meant(hello.world()).stream()
+        Optional<Session> found = meant(hello.world()).stream()
                 .flatMap(world -> world.find(hello.name()).stream())
-                .filter(found -> found.hasSecret(resume.session())).findFirst()
-                .orElseThrow(() -> Ending.refused("no-such-session",
-                        "there is no session of " + Text.quote(hello.name())
-                                + " with this token, or it has ended",
-                        "say hello without resume"));
-        attempts.right(connection.address(), System.nanoTime());
-        session.resume(connection, resume.frame());
-        return session;
+                .filter(session -> session.hasSecret(resume.session())).findFirst();
+        if (found.isEmpty()) {
+            countWrong(connection);
+            throw Ending.refused("no-such-session",
+                    "there is no session of " + Text.quote(hello.name())
+                            + " with this token, or it has ended",
+                    "say hello without resume");
+        }
+        requireRecord();
+        found.get().resume(connection, resume.frame());
+        return found.get();
     }
 
     /** The world that is named, or the only one that is open to the client. */
@@ -321,19 +356,19 @@ public final class AgentServer implements AutoCloseable {
         if (config.security().tokens().isEmpty()) {
             return Optional.empty();
         }
-        requireAttempt(connection);
         Optional<AgentToken> token =
                 config.security().tokens().get().find(hello.token().orElse(""));
         if (token.isEmpty()) {
+            countWrong(connection);
             throw Ending.refused("bad-token",
                     "this server takes a token, and there was none or a wrong one",
                     "say hello with the \"token\" that whoever runs the server gave you");
         }
-        attempts.right(connection.address(), System.nanoTime());
         return token;
     }
 
-    private void requireAttempt(Connection connection) throws Ending {
+    /** Only what is wrong counts: a right token opens the server from any address. */
+    private void countWrong(Connection connection) throws Ending {
         if (!attempts.take(connection.address(), System.nanoTime())) {
             throw Ending.cut("too-many-attempts",
                     "too many wrong tokens came from your address; try again later");

@@ -2,7 +2,6 @@ package reve.core.agent;
 
 import java.net.InetAddress;
 import java.net.InetSocketAddress;
-import java.nio.file.Path;
 import java.time.Duration;
 import java.util.Optional;
 
@@ -12,11 +11,11 @@ import java.util.Optional;
  * @param address port 0 takes any free one
  * @param limits how much it takes from clients, and keeps for them
  * @param timeouts how long it waits for them
- * @param audit the file to which a record of all that clients are told is appended
+ * @param audit where a record of all that clients are told is appended
  * @param security how clients and server know each other
  */
 public record AgentServerConfig(InetSocketAddress address, AgentLimits limits,
-        AgentTimeouts timeouts, Optional<Path> audit, AgentSecurity security) {
+        AgentTimeouts timeouts, Optional<AuditPlan> audit, AgentSecurity security) {
 
     /**
      * @throws IllegalArgumentException if other machines reach the address and there are no
@@ -49,8 +48,8 @@ public record AgentServerConfig(InetSocketAddress address, AgentLimits limits,
     }
 
     /** The same, with a record of all that clients are told. */
-    public AgentServerConfig withAudit(Path file) {
-        return new AgentServerConfig(address, limits, timeouts, Optional.of(file), security);
+    public AgentServerConfig withAudit(AuditPlan plan) {
+        return new AgentServerConfig(address, limits, timeouts, Optional.of(plan), security);
     }
 
     /** The same, with another longest time that an agent in lock-step may have the world wait. */

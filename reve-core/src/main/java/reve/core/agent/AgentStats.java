@@ -13,6 +13,8 @@ package reve.core.agent;
  * @param actsAccepted acts that took effect
  * @param actsRefused acts that did not
  * @param cut connections that the server ended for breaking a limit
+ * @param unrecorded messages sent without the record that was asked for
  */
 public record AgentStats(long connections, long open, long agents, long joined, long lines,
-        long errors, long perceptions, long actsAccepted, long actsRefused, long cut) {}
+        long errors, long perceptions, long actsAccepted, long actsRefused, long cut,
+        long unrecorded) {}

@@ -71,12 +71,6 @@ public record AgentToken(String name, String sha256, Rights rights, Optional<Ins
         }
     }
 
-    /** Takes as long whatever the hash. */
-    boolean hasHash(String hash) {
-        return MessageDigest.isEqual(sha256.getBytes(StandardCharsets.US_ASCII),
-                hash.getBytes(StandardCharsets.US_ASCII));
-    }
-
     /** Says which token it is and gives nothing away. */
     public String id() {
         return sha256.substring(0, ID_LENGTH);

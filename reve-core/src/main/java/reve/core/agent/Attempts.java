@@ -9,7 +9,8 @@ import java.util.Map;
 
 /**
  * Bounds how often clients of one address may offer a wrong secret: {@value #BURST} times at once,
- * then one time a second. Remembers the last {@value #ADDRESSES} addresses; those of one IPv6
+ * then one time a second. What is wrong beyond that is cut as too much; a right secret is never
+ * asked about here, so that an attacker does not lock out others of its address. Remembers the last {@value #ADDRESSES} addresses; those of one IPv6
  * network of 64 bits count as one. Any thread.
  */
 final class Attempts {
@@ -31,7 +32,7 @@ final class Attempts {
 
     private record Left(double attempts, long atNanos) {}
 
-    /** Whether it may offer one; if so, that is one attempt less, unless it is {@link #right}. */
+    /** Counts a wrong secret. @return false if there were too many from that address */
     synchronized boolean take(InetAddress address, long nowNanos) {
         ByteBuffer network = network(address);
         double now = attempts(network, nowNanos);
@@ -40,12 +41,6 @@ final class Attempts {
         }
         left.put(network, new Left(now - 1, nowNanos));
         return true;
-    }
-
-    /** The secret was right: it does not count. */
-    synchronized void right(InetAddress address, long nowNanos) {
-        ByteBuffer network = network(address);
-        left.put(network, new Left(Math.min(BURST, attempts(network, nowNanos) + 1), nowNanos));
     }
 
     private double attempts(ByteBuffer network, long nowNanos) {

@@ -2,75 +2,264 @@ package reve.core.agent;
 
 import java.io.Closeable;
 import java.io.IOException;
-import java.io.OutputStream;
-import java.io.UncheckedIOException;
 import java.nio.ByteBuffer;
+import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.AccessDeniedException;
 import java.nio.file.FileSystemException;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.nio.file.StandardOpenOption;
 import java.security.MessageDigest;
 import java.security.NoSuchAlgorithmException;
-import java.time.Clock;
+import java.time.Instant;
+import java.time.InstantSource;
 import java.util.Base64;
 import java.util.HexFormat;
 import java.util.List;
+import java.util.Optional;
+import java.util.Set;
+import java.util.function.LongSupplier;
 import java.util.regex.Pattern;
+import org.jspecify.annotations.Nullable;
+import reve.core.text.Visible;
 import tools.jackson.databind.node.ObjectNode;
 
 /**
  * A record of exactly what each client was told, and when: one JSON object per message, appended to
  * a file at the moment in which the message is written to the connection; of secrets, only that
- * they were told, and of the pixels of pictures a hash (SHA-256). What cannot be recorded is not
- * told. Any thread.
+ * they were told, and of the pixels of pictures a hash (SHA-256). A file that has its size is
+ * rotated. While the file cannot be written, messages are counted instead, and each second one
+ * write is tried; the first record after such a gap says how many messages it lacks. Any thread.
  */
 final class AuditLog implements Closeable {
 
     private static final List<String> PIXELS = List.of("colour", "depth", "items");
     private static final Pattern SECRET =
             Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
+    private static final long RETRY_NANOS = 1_000_000_000;
 
+    private final AuditPlan plan;
     private final Path file;
-    private final OutputStream out;
-    private final Clock clock;
+    private final InstantSource clock;
+    private final LongSupplier nanos;
+    private FileChannel out;
+    private long size;
+    /** Size at which the file is rotated [bytes]. */
+    private long fullSize;
+    /** The file ends in the middle of a record. */
+    private boolean torn;
+
+    /** Messages without a record since the file could not be written. */
+    private long missing;
+    private Instant missingSince = Instant.EPOCH;
+    private long triedNanos;
+    private @Nullable String failure;
+    private @Nullable String rotationFailure;
+    private String lastGap = "";
+    private long unrecorded;
 
     /** @throws IOException if the file cannot be appended to */
-    AuditLog(Path file, Clock clock) throws IOException {
-        this.file = file;
+    AuditLog(AuditPlan plan) throws IOException {
+        this(plan, InstantSource.system(), System::nanoTime);
+    }
+
+    /** @param nanos what {@link System#nanoTime} is */
+    AuditLog(AuditPlan plan, InstantSource clock, LongSupplier nanos) throws IOException {
+        this.plan = plan;
+        this.file = plan.file();
         this.clock = clock;
+        this.nanos = nanos;
         try {
-            out = Files.newOutputStream(file, StandardOpenOption.CREATE, StandardOpenOption.APPEND);
-        } catch (FileSystemException e) {
-            String reason = switch (e) {
-                case NoSuchFileException gone ->
-                        "there is no folder " + file.toAbsolutePath().getParent();
-                case AccessDeniedException denied -> "permission denied";
-                default -> e.getReason();
-            };
+            out = open();
+        } catch (IOException e) {
             throw new IOException(
-                    "the audit record " + file + " could not be opened: " + reason, e);
+                    "the audit record " + file + " could not be opened: " + reason(e), e);
         }
     }
 
-    /** @throws UncheckedIOException if it cannot be written down */
-    synchronized void told(String world, String client, Encoding encoding, ByteBuffer line) {
+    /** A crash may have left the file in the middle of a record. */
+    private FileChannel open() throws IOException {
+        FileChannel channel = FileChannel.open(file, Set.of(StandardOpenOption.CREATE,
+                StandardOpenOption.WRITE, StandardOpenOption.APPEND), TokenFile.PRIVATE);
+        size = channel.size();
+        fullSize = Files.isRegularFile(file) ? plan.maxBytes() : Long.MAX_VALUE;
+        torn = size > 0 && fullSize < Long.MAX_VALUE && !endsWithLine();
+        return channel;
+    }
+
+    private boolean endsWithLine() throws IOException {
+        try (FileChannel in = FileChannel.open(file)) {
+            ByteBuffer last = ByteBuffer.allocate(1);
+            in.read(last, size - 1);
+            return last.get(0) == '\n';
+        }
+    }
+
+    private static String reason(IOException e) {
+        return switch (e) {
+            case NoSuchFileException gone ->
+                    "there is no folder " + Path.of(gone.getFile()).toAbsolutePath().getParent();
+            case AccessDeniedException denied -> "permission denied";
+            case FileSystemException other when other.getReason() != null -> other.getReason();
+            default -> String.valueOf(e.getMessage());
+        };
+    }
+
+    /**
+     * Records a message that is about to be written.
+     *
+     * @return false if that was not possible, and the message must not be sent without
+     */
+    synchronized boolean told(String world, String client, Encoding encoding, ByteBuffer line) {
+        if (!isWritable()) {
+            return leaveOut();
+        }
         String json = encoding == Encoding.JSON
                 ? withoutPixels(StandardCharsets.UTF_8
                         .decode(line.slice(0, line.remaining() - 1)).toString())
                 : MessagePackReader.read(
                         line.slice(Encoding.LENGTH_BYTES, line.remaining() - Encoding.LENGTH_BYTES),
                         AuditLog::hash).toString();
-        String entry = "{\"at\":\"" + clock.instant() + "\",\"world\":\"" + world
-                + "\",\"client\":\"" + client + "\",\"message\":" + withoutSecret(json) + "}\n";
-        try {
-            out.write(entry.getBytes(StandardCharsets.UTF_8));
-        } catch (IOException e) {
-            throw new UncheckedIOException("what clients are told cannot be recorded in " + file
-                    + ": " + e.getMessage(), e);
+        return write("{\"at\":\"" + clock.instant() + "\",\"world\":\"" + world
+                + "\",\"client\":\"" + client + "\",\"message\":" + withoutSecret(json) + "}")
+                || leaveOut();
+    }
+
+    private boolean leaveOut() {
+        if (plan.required()) {
+            return false;
         }
+        missing++;
+        unrecorded++;
+        return true;
+    }
+
+    /** Whether clients may be served: the record can be written, or need not be. */
+    synchronized boolean isServing() {
+        return !plan.required() || isWritable();
+    }
+
+    /** Why the record cannot be written, or rotated, if so. */
+    synchronized Optional<String> problem() {
+        return isWritable() ? Optional.ofNullable(rotationFailure)
+                : Optional.of("what clients are sent cannot be recorded in " + file + ": " + failure
+                        + (plan.required() ? "; clients are disconnected until it can"
+                        : "; they are served without a record"));
+    }
+
+    /** What to say when there is no problem any more. */
+    synchronized String solved() {
+        return "what clients are sent is recorded in " + file + " again" + lastGap;
+    }
+
+    /** Messages that were sent without a record so far. */
+    synchronized long unrecorded() {
+        return unrecorded;
+    }
+
+    /** After a failure, opens the file again once a second, which may be another one then. */
+    private boolean isWritable() {
+        if (failure == null) {
+            return true;
+        }
+        if (nanos.getAsLong() - triedNanos < RETRY_NANOS) {
+            return false;
+        }
+        triedNanos = nanos.getAsLong();
+        try {
+            FileChannel again = open();
+            closeQuietly(out);
+            out = again;
+        } catch (IOException e) {
+            failure = reason(e);
+            return false;
+        }
+        failure = null;
+        if (write("{\"at\":\"" + clock.instant() + "\",\"unrecorded\":" + missing
+                + ",\"since\":\"" + missingSince + "\"}")) {
+            lastGap = plan.required() ? ""
+                    : "; " + missing + " messages since " + missingSince + " have no record";
+            missing = 0;
+            return true;
+        }
+        return false;
+    }
+
+    private boolean write(String record) {
+        ByteBuffer bytes = ByteBuffer.wrap(((torn ? "\n" : "") + Visible.json(record) + "\n")
+                .getBytes(StandardCharsets.UTF_8));
+        if (size > 0 && size + bytes.remaining() > fullSize) {
+            rotate();
+        }
+        try {
+            while (bytes.hasRemaining()) {
+                size += out.write(bytes);
+            }
+            torn = false;
+            return true;
+        } catch (IOException e) {
+            if (missing == 0) {
+                missingSince = clock.instant();
+            }
+            failure = reason(e);
+            triedNanos = nanos.getAsLong();
+            takeBack(size - bytes.position());
+            return false;
+        }
+    }
+
+    private void takeBack(long end) {
+        try {
+            out.truncate(end);
+            size = end;
+        } catch (IOException e) {
+            torn = true;
+        }
+    }
+
+    /** The older files move on by one, the oldest is removed. Without success, the file grows. */
+    private void rotate() {
+        try {
+            for (int i = plan.keep() - 1; i >= 0; i--) {
+                if (Files.exists(older(i))) {
+                    Files.move(older(i), older(i + 1), StandardCopyOption.ATOMIC_MOVE);
+                }
+            }
+        } catch (IOException e) {
+            rotationFailed(e);
+            return;
+        }
+        FileChannel full = out;
+        try {
+            out = open();
+            rotationFailure = null;
+        } catch (IOException e) { // goes on in the full one, by whatever name
+            out = full;
+            rotationFailed(e);
+            return;
+        }
+        closeQuietly(full);
+    }
+
+    private static void closeQuietly(FileChannel channel) {
+        try {
+            channel.close();
+        } catch (IOException e) {
+            // Nothing waits to be written.
+        }
+    }
+
+    private void rotationFailed(IOException e) {
+        fullSize = size + plan.maxBytes();
+        rotationFailure = "the audit record " + file + " cannot be rotated: " + reason(e)
+                + "; it grows beyond " + plan.maxBytes() + " bytes";
+    }
+
+    private Path older(int number) {
+        return number == 0 ? file : file.resolveSibling(file.getFileName() + "." + number);
     }
 
     private static String withoutPixels(String json) {

@@ -410,7 +410,10 @@ final class Connection implements EventLoop.Handler {
             }
         } catch (IOException e) {
             closeSoon();
-        } catch (Throwable e) { // such as a record that cannot be kept of what it is told
+        } catch (Ending e) {
+            end(e);
+            sayBye();
+        } catch (Throwable e) {
             fail(e);
             sayBye();
         }
@@ -435,7 +438,7 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
-    private boolean writeAll(Pen pen) throws IOException {
+    private boolean writeAll(Pen pen) throws IOException, Ending {
         while (writeUnsent()) {
             Bytes out = pen.bytes();
             Outbox.Waiting next = outbox.poll();
@@ -451,7 +454,7 @@ final class Connection implements EventLoop.Handler {
         return false;
     }
 
-    private void append(Outbox.Waiting next, Bytes out, Difference difference) {
+    private void append(Outbox.Waiting next, Bytes out, Difference difference) throws Ending {
         int start = out.size();
         Session client = session;
         switch (next) {
@@ -460,9 +463,9 @@ final class Connection implements EventLoop.Handler {
                     Objects.requireNonNull(client).world().publisher().telling()
                             .write(out, difference, encoding, seen);
         }
-        if (client != null) {
-            server.audit().ifPresent(audit ->
-                    audit.told(client.world().name(), client.name(), encoding, out.view(start)));
+        if (client != null && server.audit().isPresent() && !server.audit().get()
+                .told(client.world().name(), client.name(), encoding, out.view(start))) {
+            throw AgentServer.notRecorded();
         }
     }
 

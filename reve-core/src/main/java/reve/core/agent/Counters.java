@@ -16,9 +16,9 @@ final class Counters {
     final LongAdder actsRefused = new LongAdder();
     final LongAdder cut = new LongAdder();
 
-    AgentStats read() {
+    AgentStats read(long unrecorded) {
         return new AgentStats(connections.sum(), open.sum(), agents.sum(), joined.sum(),
                 lines.sum(), errors.sum(), perceptions.sum(), actsAccepted.sum(),
-                actsRefused.sum(), cut.sum());
+                actsRefused.sum(), cut.sum(), unrecorded);
     }
 }

@@ -7,7 +7,6 @@ import java.nio.file.FileSystemException;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
-import java.nio.file.attribute.PosixFilePermission;
 import java.security.GeneralSecurityException;
 import java.security.KeyFactory;
 import java.security.KeyStore;
@@ -18,39 +17,118 @@ import java.security.cert.CertificateException;
 import java.security.cert.CertificateFactory;
 import java.security.cert.X509Certificate;
 import java.security.spec.PKCS8EncodedKeySpec;
+import java.time.Instant;
+import java.time.InstantSource;
 import java.util.Base64;
 import java.util.List;
+import java.util.Optional;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import javax.net.ssl.KeyManagerFactory;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLEngine;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 
 /**
- * Keeps connections private, with TLS 1.3, and shows clients the server's certificate. Any thread.
+ * Keeps connections private, with TLS 1.3, and shows clients the server's certificate. Both files
+ * are read again when they change: new connections use the new pair, and a pair that cannot be used
+ * leaves the one before it. {@link #engine} is for any thread, the rest for the event loop's.
  */
 public final class ServerTls {
 
+    private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
     private static final String[] PROTOCOLS = {"TLSv1.3"};
     private static final char[] IN_MEMORY = "in memory".toCharArray();
     private static final Pattern KEY = Pattern.compile(
             "-----BEGIN PRIVATE KEY-----([A-Za-z0-9+/=\\s]+)-----END PRIVATE KEY-----");
 
-    private final SSLContext context;
+    private final Path certificate;
+    private final Path key;
+    private final InstantSource clock;
+    private volatile Pair pair;
+    private Versions read;
+    private Versions seen;
+    private Optional<String> problem = Optional.empty();
 
-    private ServerTls(SSLContext context) {
-        this.context = context;
+    /** @param expires when clients begin to refuse the certificate */
+    private record Pair(SSLContext context, Instant expires) {}
+
+    /** Versions of the certificate's and the key's file; empty for one that is not there. */
+    private record Versions(Optional<FileVersion> certificate, Optional<FileVersion> key) {}
+
+    private ServerTls(Path certificate, Path key, InstantSource clock) throws IOException {
+        this.certificate = certificate;
+        this.key = key;
+        this.clock = clock;
+        this.read = versions();
+        this.seen = read;
+        this.pair = read(certificate, key);
     }
 
     /**
      * Reads both from PEM files.
      *
      * @param certificate the server's own first, then those that vouch for it
-     * @param key the private one of the first certificate: PKCS#8, not encrypted, not readable by
-     *     everybody
+     * @param key the private one of the first certificate: PKCS#8, not encrypted, for its owner
+     *     alone
      * @throws IOException naming the file and what is wrong with it
      */
     public static ServerTls of(Path certificate, Path key) throws IOException {
+        return of(certificate, key, InstantSource.system());
+    }
+
+    static ServerTls of(Path certificate, Path key, InstantSource clock) throws IOException {
+        return new ServerTls(certificate, key, clock);
+    }
+
+    /**
+     * Reads both files again if one has changed since they were read, and neither since the last
+     * call: they are replaced one after the other.
+     */
+    void refresh() {
+        Versions now = versions();
+        if (now.equals(seen) && !now.equals(read)) {
+            read = now;
+            try {
+                pair = read(certificate, key);
+                problem = Optional.empty();
+                LOG.info("{} and {} were read again", certificate, key);
+            } catch (IOException e) {
+                problem = Optional.of(
+                        "connections go on with the certificate read before: " + e.getMessage());
+            }
+        }
+        seen = now;
+    }
+
+    /** Why clients do not get the certificate of the file, or refuse it, if so. */
+    Optional<String> problem() {
+        Instant expires = pair.expires;
+        return problem.isPresent() || clock.instant().isBefore(expires) ? problem
+                : Optional.of("the certificate of " + certificate + " has expired (" + expires
+                        + "), and clients refuse it; replace it and its key");
+    }
+
+    /** What to say when there is no problem any more. */
+    String solved() {
+        return "new connections use the certificate of " + certificate + ", which expires "
+                + pair.expires;
+    }
+
+    private Versions versions() {
+        return new Versions(version(certificate), version(key));
+    }
+
+    private static Optional<FileVersion> version(Path file) {
+        try {
+            return Optional.of(FileVersion.of(file));
+        } catch (IOException e) {
+            return Optional.empty();
+        }
+    }
+
+    private static Pair read(Path certificate, Path key) throws IOException {
         requireFile(certificate);
         requireFile(key);
         Certificate[] chain = chain(certificate);
@@ -67,7 +145,7 @@ public final class ServerTls {
             keys.init(store, IN_MEMORY);
             var context = SSLContext.getInstance("TLS");
             context.init(keys.getKeyManagers(), null, null);
-            return new ServerTls(context);
+            return new Pair(context, ((X509Certificate) chain[0]).getNotAfter().toInstant());
         } catch (GeneralSecurityException e) {
             throw new IOException(
                     "TLS with " + certificate + " and " + key + ": " + e.getMessage(), e);
@@ -76,7 +154,7 @@ public final class ServerTls {
 
     /** The server's side of a new connection. */
     SSLEngine engine() {
-        SSLEngine engine = context.createSSLEngine();
+        SSLEngine engine = pair.context.createSSLEngine();
         engine.setUseClientMode(false);
         engine.setEnabledProtocols(PROTOCOLS);
         return engine;
@@ -104,9 +182,9 @@ public final class ServerTls {
     }
 
     private static PrivateKey key(Path file, String algorithm) throws IOException {
-        if (Files.getPosixFilePermissions(file).contains(PosixFilePermission.OTHERS_READ)) {
-            throw new FileSystemException(file + " can be read by everybody; run `chmod 600 "
-                    + file + "`");
+        FileVersion version = FileVersion.of(file);
+        if (version.isOpenToOthers()) {
+            throw new FileSystemException(version.openToOthers(file));
         }
         Matcher pem = KEY.matcher(Files.readString(file, StandardCharsets.ISO_8859_1));
         if (!pem.find()) {

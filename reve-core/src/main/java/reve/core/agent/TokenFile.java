@@ -10,20 +10,20 @@ import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 import java.nio.file.StandardOpenOption;
 import java.nio.file.attribute.FileAttribute;
-import java.nio.file.attribute.FileTime;
-import java.nio.file.attribute.PosixFileAttributes;
 import java.nio.file.attribute.PosixFilePermission;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.time.InstantSource;
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.Collections;
-import java.util.EnumSet;
-import java.util.LinkedHashSet;
+import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.UnaryOperator;
 import java.util.stream.Collectors;
+import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 
@@ -35,25 +35,23 @@ public final class TokenFile {
 
     private static final Logger LOG = LoggerFactory.getLogger("reve.agents");
     private static final long MAX_BYTES = 16L * 1024 * 1024;
-    private static final Set<PosixFilePermission> OWNERS =
-            EnumSet.of(PosixFilePermission.OWNER_READ, PosixFilePermission.OWNER_WRITE);
-    private static final FileAttribute<Set<PosixFilePermission>> PRIVATE =
-            PosixFilePermissions.asFileAttribute(OWNERS);
+    /** Of files for their owner alone, from the moment in which they are made. */
+    static final FileAttribute<Set<PosixFilePermission>> PRIVATE =
+            PosixFilePermissions.asFileAttribute(FileVersion.OWNERS);
 
     private final Path path;
     private final InstantSource clock;
-    private Version read;
-    private Set<AgentToken> tokens;
-
-    /** Tells one content of the file from the next. */
-    private record Version(FileTime modified, long bytes, Object inode,
-            Set<PosixFilePermission> permissions) {}
+    /** Null if the file was not there. */
+    private @Nullable FileVersion read;
+    private Map<String, AgentToken> tokens;
+    private Optional<String> problem = Optional.empty();
 
     private TokenFile(Path path, InstantSource clock) throws IOException {
         this.path = path;
         this.clock = clock;
-        this.read = version(path);
-        this.tokens = read(path, read);
+        FileVersion version = version(path);
+        this.read = version;
+        this.tokens = read(path, version);
     }
 
     /**
@@ -95,21 +93,17 @@ public final class TokenFile {
     }
 
     /** In the order in which they were added. */
-    public synchronized Set<AgentToken> tokens() {
-        refresh();
-        return tokens;
+    public Collection<AgentToken> tokens() {
+        return refreshed().values();
     }
 
     /**
-     * The token with that secret, unless it has expired. Takes as long whether there is one or not.
+     * The token with that secret, unless it has expired. Takes as long whether there is one or not,
+     * and however many there are: they are found by the hash, of which nobody can choose a part.
      */
     Optional<AgentToken> find(String secret) {
-        String hash = AgentToken.hash(secret);
-        AgentToken found = null;
-        for (AgentToken token : tokens()) {
-            found = token.hasHash(hash) ? token : found;
-        }
-        return Optional.ofNullable(found).filter(this::isCurrent);
+        return Optional.ofNullable(refreshed().get(AgentToken.hash(secret)))
+                .filter(this::isCurrent);
     }
 
     /** Those that open something now. */
@@ -121,49 +115,63 @@ public final class TokenFile {
         return !token.hasExpired(clock.instant());
     }
 
-    private void refresh() {
+    /** Why the file as it is now does not count, if so. */
+    synchronized Optional<String> problem() {
+        refreshed();
+        return problem;
+    }
+
+    /** What to say when there is no problem any more. */
+    synchronized String solved() {
+        return path + " was read again: " + tokens.size() + " tokens";
+    }
+
+    private synchronized Map<String, AgentToken> refreshed() {
+        FileVersion now = null;
         try {
-            Version now = version(path);
+            now = version(path);
             if (!now.equals(read)) {
-                read = now;
                 tokens = read(path, now);
+                problem = Optional.empty();
                 LOG.info("{} was read again: {} tokens", path, tokens.size());
             }
         } catch (IOException e) {
-            LOG.error("the tokens stay as they were: {}", e.getMessage());
+            problem = Optional.of("the tokens stay as they were: " + e.getMessage());
         }
+        read = now;
+        return tokens;
     }
 
     // ---- the file ----
 
-    private static Version version(Path path) throws IOException {
-        PosixFileAttributes file;
+    private static FileVersion version(Path path) throws IOException {
+        FileVersion version;
         try {
-            file = Files.readAttributes(path, PosixFileAttributes.class);
+            version = FileVersion.of(path);
         } catch (NoSuchFileException e) {
             throw new NoSuchFileException("there is no file of tokens " + path
                     + "; `./reve token new NAME --file " + path + "` makes one");
         }
-        if (file.isDirectory()) {
+        if (version.isFolder()) {
             throw new FileSystemException(path + " is a folder, expected a file of tokens");
         }
-        return new Version(file.lastModifiedTime(), file.size(), file.fileKey(),
-                file.permissions());
+        return version;
     }
 
-    private static Set<AgentToken> read(Path path, Version version) throws IOException {
-        if (!OWNERS.containsAll(version.permissions())) {
-            throw new FileSystemException(path + " is open to others (mode "
-                    + PosixFilePermissions.toString(version.permissions()) + "); run `chmod 600 "
-                    + path + "`");
+    private static Map<String, AgentToken> read(Path path, FileVersion version)
+            throws IOException {
+        if (version.isOpenToOthers()) {
+            throw new FileSystemException(version.openToOthers(path));
         }
         if (version.bytes() > MAX_BYTES) {
             throw new FileSystemException(path + " has " + version.bytes()
                     + " bytes, expected at most " + MAX_BYTES);
         }
         try {
-            return Collections.unmodifiableSet(
-                    new LinkedHashSet<>(TokenFormat.read(Files.readAllBytes(path))));
+            var tokens = new LinkedHashMap<String, AgentToken>();
+            TokenFormat.read(Files.readAllBytes(path))
+                    .forEach(token -> tokens.put(token.sha256(), token));
+            return Collections.unmodifiableMap(tokens);
         } catch (IllegalArgumentException e) {
             throw new FileSystemException(path + " is no file of tokens: " + e.getMessage());
         }
@@ -187,9 +195,9 @@ public final class TokenFile {
         try (FileChannel guard = FileChannel.open(lock,
                 Set.of(StandardOpenOption.CREATE, StandardOpenOption.WRITE), PRIVATE);
                 FileLock _ = guard.lock()) {
-            Set<AgentToken> before = make && !Files.exists(file) ? Set.of()
+            Map<String, AgentToken> before = make && !Files.exists(file) ? Map.of()
                     : read(file, version(file));
-            byte[] bytes = TokenFormat.write(change.apply(new ArrayList<>(before)));
+            byte[] bytes = TokenFormat.write(change.apply(new ArrayList<>(before.values())));
             Files.deleteIfExists(next);
             Files.createFile(next, PRIVATE);
             Files.write(next, bytes, StandardOpenOption.SYNC);

@@ -4,6 +4,8 @@ import java.io.IOException;
 import java.time.Duration;
 import java.util.List;
 import java.util.Optional;
+import java.util.Queue;
+import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.function.BooleanSupplier;
 import reve.core.access.DeclaredAction;
 import reve.core.access.Effect;
@@ -45,6 +47,8 @@ final class AgentRoom implements AutoCloseable {
     final CommandQueue commands;
     final FrameLoop loop;
     final AgentServer server;
+    /** Of the server's files. Any thread. */
+    final Queue<String> problems = new ConcurrentLinkedQueue<>();
     /** Any thread. */
     volatile Cameras cameras = Cameras.none();
 
@@ -74,7 +78,8 @@ final class AgentRoom implements AutoCloseable {
         var port = new WorldPort(world.name(), 60, policy, bus, commands, snapshots, loop,
                 new RoomControl(world, loop),
                 (body, camera, answer) -> cameras.take(body, camera, answer));
-        server = AgentServer.start(config, List.of(port));
+        server = AgentServer.start(config, List.of(port),
+                (source, message) -> problems.add(source + ": " + message));
     }
 
     static AgentPolicy lending(String... bodies) {

@@ -549,7 +549,7 @@ class AgentServerTest {
             ada.expect("error");
             ada.expect("perception");
             AgentStats stats = room.server.stats();
-            assertThat(stats).isEqualTo(new AgentStats(1, 1, 1, 1, 5, 1, 1, 0, 0, 0));
+            assertThat(stats).isEqualTo(new AgentStats(1, 1, 1, 1, 5, 1, 1, 0, 0, 0, 0));
         }
     }
 }

@@ -27,7 +27,8 @@ class EncodingTest {
 
     @BeforeEach
     void open() throws IOException {
-        room = new AgentRoom(AgentRoom.CONFIG.withAudit(folder.resolve("audit.jsonl")));
+        room = new AgentRoom(AgentRoom.CONFIG
+                .withAudit(AuditPlan.of(folder.resolve("audit.jsonl"))));
     }
 
     @AfterEach

@@ -36,7 +36,8 @@ class LookTest {
     void join() throws IOException {
         ItemDefinition body = ItemDefinition.named("body").shape(Shape.sphere(0.5))
                 .sensor(EYE).build();
-        room = new AgentRoom(AgentRoom.CONFIG.withAudit(folder.resolve("audit.jsonl")),
+        room = new AgentRoom(AgentRoom.CONFIG
+                .withAudit(AuditPlan.of(folder.resolve("audit.jsonl"))),
                 new AgentPolicy(List.of(), Optional.of(body)), 64);
         room.cameras = (item, camera, answer) -> {
             assertThat(camera).isEqualTo(EYE);

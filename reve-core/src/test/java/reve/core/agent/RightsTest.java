@@ -191,7 +191,12 @@ class RightsTest {
     }
 
     @Test
-    void whoHasLetTooManyWrongTokensComeIsNotEvenAskedForAWhile() throws IOException {
+    void anAddressThatGuessesIsCutAndStillTakesTheRightTokensOfOthers() throws IOException {
+        String token = issue("ada", agent(ANY, ANY, ANY));
+        String bob = issue("bob", agent(ANY, ANY, ANY));
+        TestClient before = hello("bob", ",'graceSeconds':60,'token':'" + bob + "'");
+        String session = before.expect("welcome").get("session").get("token").stringValue();
+        before.close();
         String last = "";
         for (int i = 0; i < 100 && !last.equals("too-many-attempts"); i++) {
             try (TestClient client = hello("ada", ",'token':'" + "0".repeat(32) + "'")) {
@@ -203,6 +208,11 @@ class RightsTest {
         }
         assertThat(last).isEqualTo("too-many-attempts");
         assertThat(room.server.stats().cut()).isEqualTo(1);
+        welcomed("ada", token).close();
+        refused("eve", ",'resume':{'session':'" + token + "','frame':0}", "too-many-attempts");
+        try (TestClient again = hello("bob", ",'resume':{'session':'" + session + "','frame':1}")) {
+            assertThat(again.expect("welcome").get("resumed").booleanValue()).isTrue();
+        }
     }
 
     @Test

@@ -49,7 +49,8 @@ class SeveralWorldsTest {
 
     @BeforeEach
     void open() throws IOException {
-        server = AgentServer.start(AgentRoom.CONFIG, List.of(pond.port, lake.port));
+        server = AgentServer.start(AgentRoom.CONFIG, List.of(pond.port, lake.port),
+                (source, message) -> { });
     }
 
     @AfterEach

@@ -9,13 +9,16 @@ import java.net.Socket;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Duration;
+import java.time.Instant;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Optional;
 import java.util.Random;
+import java.util.concurrent.atomic.AtomicReference;
 import javax.net.ssl.SSLContext;
 import javax.net.ssl.SSLException;
 import javax.net.ssl.SSLSocket;
@@ -25,6 +28,8 @@ import org.junit.jupiter.api.BeforeAll;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.Seed;
 import reve.core.world.ItemDefinition;
 import tools.jackson.databind.JsonNode;
@@ -246,6 +251,94 @@ class TlsTest {
         }
         room.stepUntil("all are gone", () -> room.server.stats().open() == 0);
         join(room).close();
+    }
+
+    @ParameterizedTest
+    @ValueSource(strings = {"rw-r-----", "rw--w----", "rw----r--", "rw----r-x"})
+    void aKeyThatOthersReadOrWriteIsRefused(String mode) throws Exception {
+        Path key = Files.copy(server.key(), folder.resolve("open.key"),
+                StandardCopyOption.REPLACE_EXISTING);
+        Files.setPosixFilePermissions(key, PosixFilePermissions.fromString(mode));
+        assertThatThrownBy(() -> ServerTls.of(server.certificate(), key))
+                .hasMessage(key + " is open to others (mode " + mode + "); run `chmod 600 " + key
+                        + "`");
+        Files.setPosixFilePermissions(key, PosixFilePermissions.fromString("r--------"));
+        assertThat(ServerTls.of(server.certificate(), key)).isNotNull();
+    }
+
+    private static void replace(Certificate files, Certificate by) throws IOException {
+        Files.copy(by.certificate(), files.certificate(), StandardCopyOption.REPLACE_EXISTING);
+        Files.copy(by.key(), files.key(), StandardCopyOption.REPLACE_EXISTING,
+                StandardCopyOption.COPY_ATTRIBUTES);
+    }
+
+    @Test
+    void aNewCertificateIsForNewConnectionsAndTheOthersGoOn() throws Exception {
+        Certificate files = Certificate.make(folder, "files");
+        Certificate next = Certificate.make(folder, "next");
+        SSLContext trustingNext = next.trusting();
+        try (AgentRoom own = new AgentRoom(with(AgentRoom.CONFIG, files));
+                TestClient before = new TestClient(secure(files.trusting(),
+                        own.server.address()))) {
+            before.say("{'t':'hello','protocol':1,'name':'bob'}").sync();
+            replace(files, next);
+            own.stepUntil("it is used", () -> isTrusted(trustingNext, own));
+            before.sync();
+            assertThat(own.problems).isEmpty();
+
+            Files.writeString(files.certificate(), "nothing");
+            own.stepUntil("it is reported", () -> !own.problems.isEmpty());
+            assertThat(isTrusted(trustingNext, own)).as("the one before is used").isTrue();
+            replace(files, next);
+            own.stepUntil("it is over", () -> own.problems.size() > 1);
+            assertThat(own.problems).hasSize(2);
+            assertThat(own.problems.poll()).startsWith("tls: connections go on with the "
+                    + "certificate read before: " + files.certificate());
+            assertThat(own.problems.poll())
+                    .contains("new connections use the certificate of " + files.certificate());
+        }
+    }
+
+    private static boolean isTrusted(SSLContext context, AgentRoom in) {
+        try (SSLSocket socket = secure(context, in.server.address())) {
+            socket.startHandshake();
+            return true;
+        } catch (IOException e) {
+            return false;
+        }
+    }
+
+    @Test
+    void aPairThatIsReplacedOneFileAfterTheOtherIsNoProblem() throws Exception {
+        Certificate files = Certificate.make(folder, "slow");
+        Certificate next = Certificate.make(folder, "later");
+        ServerTls tls = files.tls();
+        Files.copy(next.certificate(), files.certificate(), StandardCopyOption.REPLACE_EXISTING);
+        tls.refresh();
+        assertThat(tls.problem()).isEmpty();
+        replace(files, next);
+        tls.refresh();
+        tls.refresh();
+        assertThat(tls.problem()).isEmpty();
+        Files.setPosixFilePermissions(files.key(), PosixFilePermissions.fromString("rw-r--r--"));
+        tls.refresh();
+        tls.refresh();
+        assertThat(tls.problem()).get().asString().contains("is open to others", "chmod 600");
+        Files.delete(files.key());
+        tls.refresh();
+        tls.refresh();
+        assertThat(tls.problem()).get().asString().contains("there is no file " + files.key());
+    }
+
+    @Test
+    void aCertificateThatExpiresWhileTheServerRunsIsReported() throws Exception {
+        Instant start = Instant.now();
+        AtomicReference<Instant> now = new AtomicReference<>(start);
+        ServerTls tls = ServerTls.of(server.certificate(), server.key(), now::get);
+        assertThat(tls.problem()).isEmpty();
+        now.set(start.plus(Duration.ofDays(10_000)));
+        assertThat(tls.problem()).get().asString()
+                .contains(server.certificate() + " has expired", "replace it and its key");
     }
 
     @Test

@@ -92,10 +92,8 @@ public final class ServeCommand implements Callable<Integer> {
             description = "Folder for world files that clients of the role control save.")
     private Optional<Path> saves = Optional.empty();
 
-    @Option(names = "--audit", paramLabel = "FILE",
-            description = "Append what each client is told, and when, as one JSON object per "
-                    + "message.")
-    private Optional<Path> audit = Optional.empty();
+    @Mixin
+    private AuditOptions audit = new AuditOptions();
 
     @Option(names = "--deadline", paramLabel = "S", defaultValue = "1",
             description = "Longest time that an agent in lock-step may have its world wait [s] "
@@ -245,6 +243,6 @@ public final class ServeCommand implements Callable<Integer> {
         }
         AgentServerConfig config = listen.config()
                 .withDeadline(Duration.ofNanos(Math.round(deadline * 1e9)));
-        return audit.map(config::withAudit).orElse(config);
+        return audit.plan().map(config::withAudit).orElse(config);
     }
 }

@@ -95,10 +95,7 @@ final class HostedWorld implements AutoCloseable {
 
     /** Something failed that is no matter of one law. Any thread. */
     void tellProblem(String source, String message) {
-        Map<String, Object> fields = new LinkedHashMap<>();
-        fields.put("source", source);
-        fields.put("message", message);
-        events.happened("fault", fields);
+        events.happened("fault", WorldServer.fault(source, message));
     }
 
     String name() {

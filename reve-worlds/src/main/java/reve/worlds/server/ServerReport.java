@@ -18,9 +18,12 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) 
         runs = List.copyOf(runs);
     }
 
-    /** True if a world ended by a failure, which was told when it happened. */
+    /**
+     * True if a world ended by a failure, or messages lack their audit record. A fault event has
+     * reported it when it happened.
+     */
     public boolean failed() {
-        return runs.size() < worlds;
+        return runs.size() < worlds || agents.unrecorded() > 0;
     }
 
     /** For JSON; the caller may add to it. */
@@ -38,6 +41,7 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) 
         agentFields.put("actsRefused", agents.actsRefused());
         agentFields.put("errors", agents.errors());
         agentFields.put("cut", agents.cut());
+        agentFields.put("unrecorded", agents.unrecorded());
         fields.put("agents", agentFields);
         return fields;
     }
@@ -49,5 +53,8 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) 
                 "agents: %d joined, %d perceptions, %d acts accepted, %d refused, %d cut%n",
                 agents.joined(), agents.perceptions(), agents.actsAccepted(), agents.actsRefused(),
                 agents.cut());
+        if (agents.unrecorded() > 0) {
+            out.printf(Locale.ROOT, "audit: %d messages have no record%n", agents.unrecorded());
+        }
     }
 }

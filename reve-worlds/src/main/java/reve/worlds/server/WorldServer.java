@@ -50,13 +50,22 @@ public final class WorldServer implements AutoCloseable {
                 worlds.add(closing.add(new HostedWorld(plan, pacing, lawsFolder, own)));
             }
             agents = closing.add(AgentServer.start(config,
-                    worlds.stream().map(HostedWorld::port).toList()));
+                    worlds.stream().map(HostedWorld::port).toList(),
+                    (source, message) -> events.happened("fault", fault(source, message))));
             watchdog = closing.add(new Watchdog(watch, worlds.stream()
                     .map(HostedWorld::watched).toList()));
         } catch (IOException | RuntimeException refused) {
             closing.closeAfter(refused);
             throw refused;
         }
+    }
+
+    /** The fields of a fault that is no matter of one law. */
+    static Map<String, Object> fault(String source, String message) {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("source", source);
+        fields.put("message", message);
+        return fields;
     }
 
     /** Says of which world each event is. */

@@ -44,7 +44,7 @@ class LockStepNativeTest {
         long hash;
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
                 AgentServer server = AgentServer.start(AgentServerConfig.onPort(0),
-                        List.of(port(description, simulation)));
+                        List.of(port(description, simulation)), (source, problem) -> { });
                 Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
                         new Journal.Plan(0, true), RunLog.create(log), problem -> {
                             throw new AssertionError(problem);

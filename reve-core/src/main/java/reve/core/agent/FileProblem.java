@@ -1,0 +1,35 @@
+package reve.core.agent;
+
+import java.util.Optional;
+import java.util.function.Supplier;
+
+/** Reports the problem of one of a server's files when it changes and when it is over. */
+final class FileProblem {
+
+    private final String source;
+    private final Supplier<Optional<String>> problem;
+    private final Supplier<String> solved;
+    private final ServerProblems listener;
+    private Optional<String> reported = Optional.empty();
+
+    /**
+     * @param problem what is wrong now
+     * @param solved what to say when nothing is wrong any more
+     */
+    FileProblem(String source, Supplier<Optional<String>> problem, Supplier<String> solved,
+            ServerProblems listener) {
+        this.source = source;
+        this.problem = problem;
+        this.solved = solved;
+        this.listener = listener;
+    }
+
+    /** Called every now and then by one thread at a time. */
+    void check() {
+        Optional<String> now = problem.get();
+        if (!now.equals(reported)) {
+            reported = now;
+            listener.report(source, now.orElseGet(solved));
+        }
+    }
+}
