@@ -8,9 +8,12 @@ import java.nio.file.Path;
 import java.nio.file.attribute.BasicFileAttributes;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+import reve.agent.AgentClient;
+import reve.agent.Join;
 import reve.tests.Reve.Outcome;
 import tools.jackson.databind.JsonNode;
 
@@ -71,6 +74,47 @@ class DiskFaultIT {
         assertThat(outcome.code()).as(outcome.err()).isEqualTo(1);
         assertThat(outcome.err()).contains("reve: recording: " + recording, "File too large");
         assertThat(outcome.out()).contains("state hash");
+    }
+
+    @Test
+    void aRecordingEndsAtItsLimitAndTheRunGoesOn() throws Exception {
+        Path recording = folder.resolve("run.log");
+        JsonNode end;
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json", "--fast",
+                "--seconds", "310", "--record", recording.toString(), "--record-limit", "2")) {
+            JsonNode fault = server.events().await("fault", event -> true);
+            assertThat(fault.path("source").asString()).isEqualTo("recording");
+            assertThat(fault.path("message").asString()).contains(recording.toString(),
+                    "has its limit of 2097152 bytes; the recording ends before frame ");
+            end = server.events().await("end", event -> true);
+            assertThat(end.path("frames").asLong()).isEqualTo(310 * 60);
+            assertThat(server.exitCode()).isZero();
+        }
+        assertThat(recording).isRegularFile();
+        assertThat(Files.size(recording)).isBetween(2_000_000L, 2L << 20);
+        assertThat(Reve.run("replay", recording.toString()).out()).startsWith("identical: ");
+    }
+
+    @Test
+    void agentsGoOnWhenTheAuditDiskIsFullAndTheGapIsReported() throws Exception {
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                "--audit", "/dev/full")) {
+            int port = Integer.parseInt(server.port());
+            try (AgentClient ada = AgentClient.connect("127.0.0.1", port, Join.as("ada"))) {
+                assertThat(ada.perceive().items()).isNotEmpty();
+            }
+            JsonNode fault = server.events().await("fault", event -> true);
+            assertThat(fault.path("source").asString()).isEqualTo("audit");
+            assertThat(fault.path("message").asString())
+                    .contains("/dev/full", "No space left on device", "without a record");
+            try (AgentClient boss = AgentClient.connect("127.0.0.1", port,
+                    Join.as("boss").withRole("control"))) {
+                boss.command("shut-down", Map.of());
+            }
+            JsonNode end = server.events().await("end", event -> true);
+            assertThat(end.at("/agents/unrecorded").asLong()).isPositive();
+            assertThat(server.exitCode()).isEqualTo(1);
+        }
     }
 
     @Test

@@ -3,10 +3,12 @@ package reve.tests;
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
+import java.io.BufferedReader;
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
@@ -48,6 +50,11 @@ class SecurityIT {
             secrets.add(refusals(port));
             server.process().toHandle().destroy();
             server.exitCode();
+        }
+        for (String secret : List.of("ada.token", "boss.token", "tokens.json", "audit.jsonl")) {
+            assertThat(PosixFilePermissions.toString(
+                    Files.getPosixFilePermissions(folder.resolve(secret))))
+                    .as(secret).isEqualTo("rw-------");
         }
         for (Path file : files()) {
             String text = Files.readString(file, StandardCharsets.ISO_8859_1);
@@ -111,6 +118,51 @@ class SecurityIT {
                 "`./reve token new --help` says more");
         assertThat(folder.resolve("over.json")).doesNotExist();
         assertThat(Reve.run("token").err()).contains("new, list, revoke");
+    }
+
+    @Test
+    void aTokenIsNeverWrittenOverAFileNorLeftBehind() throws Exception {
+        Path tokens = folder.resolve("tokens.json");
+        Path there = Files.writeString(folder.resolve("there"), "mine");
+        Outcome over = Reve.run("token", "new", "ada", "--file", tokens.toString(), "--out",
+                there.toString());
+        assertThat(over.code()).isEqualTo(1);
+        assertThat(over.err()).contains("--out " + there + " is there already");
+        assertThat(there).hasContent("mine");
+        assertThat(tokens).doesNotExist();
+        Path next = folder.resolve("next");
+        assertThat(Reve.run("token", "new", "ada", "--file", folder.resolve("no/tokens").toString(),
+                "--out", next.toString()).code()).isEqualTo(1);
+        assertThat(next).doesNotExist();
+    }
+
+    /** A name of an image that prints a false event and commands the terminal, where it can. */
+    @Test
+    void namesOfImagesForgeNoEventsNoLogLinesAndNoAnswers() throws Exception {
+        String name = "x\n\u001b[2Jfault source=world message=gone";
+        Path err = folder.resolve("server.err");
+        Process server = new ProcessBuilder(Reve.command("serve",
+                Project.WORLDS.resolve("spring-orbit").toString(), "--port", "0"))
+                .redirectError(err.toFile()).start();
+        try (BufferedReader events = server.inputReader()) {
+            String ready = events.readLine();
+            String port = ready.replaceFirst(".* agentPort=(\\d+) .*", "$1");
+            Outcome refused = Reve.run("control", "rewind", "image=" + name, "--port", port);
+            assertThat(refused.code()).isEqualTo(1);
+            assertThat(refused.err().lines()).singleElement().asString()
+                    .startsWith("reve: no-such-image: ").contains("x\\u{a}\\u{1b}[2Jfault");
+            for (String command : List.of("snapshot", "rewind")) {
+                assertThat(Reve.run("control", command, "image=" + name, "--port", port).code())
+                        .isZero();
+            }
+            String rewound = events.readLine();
+            assertThat(rewound).startsWith("rewound frame=")
+                    .endsWith("image=x\\u{a}\\u{1b}[2Jfault source=world message=gone");
+        } finally {
+            server.toHandle().destroy();
+            server.waitFor();
+        }
+        assertThat(err).content().doesNotContain("\nfault", "\u001b");
     }
 
     private String run(String block) throws Exception {

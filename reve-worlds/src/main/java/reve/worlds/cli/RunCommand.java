@@ -52,9 +52,8 @@ public final class RunCommand implements Callable<Integer> {
             description = "Write the world as it is at the end to a world file.")
     private Optional<Path> save = Optional.empty();
 
-    @Option(names = "--record", paramLabel = "FILE",
-            description = "Record the run, for ./reve replay.")
-    private Optional<Path> record = Optional.empty();
+    @Mixin
+    private RecordOptions record = new RecordOptions();
 
     @Option(names = "--json", description = "Print the result as one JSON document.")
     private boolean json;
@@ -66,6 +65,7 @@ public final class RunCommand implements Callable<Integer> {
         if (save.isPresent()) {
             save = Optional.of(WritableFile.require(spec, "--save", save.get()));
         }
+        record.maxBytes(); // refuses before any work is done
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
@@ -110,11 +110,11 @@ public final class RunCommand implements Callable<Integer> {
 
     private RunReport recorded(Simulation simulation, long frames, Pacing pacing)
             throws IOException {
-        if (record.isEmpty()) {
+        if (record.file().isEmpty()) {
             return run(simulation, frames);
         }
         try (Journal _ = simulation.journal(world.folder(), Map.of(),
-                new Journal.Plan(0, pacing == Pacing.FAST), RunLog.create(record.get()),
+                new Journal.Plan(0, pacing == Pacing.FAST), RunLog.create(record.file().get(), record.maxBytes()),
                 this::tellRecording)) {
             return run(simulation, frames);
         } catch (IOError ended) {

@@ -83,10 +83,8 @@ public final class ServeCommand implements Callable<Integer> {
                     + "power too, and the world waits for a slow disk as long as it takes.")
     private SqliteStore.Durability durability = SqliteStore.Durability.NORMAL;
 
-    @Option(names = "--record", paramLabel = "FILE",
-            description = "Record the run, for ./reve replay. "
-                    + "Of several worlds: a folder, in which each has WORLD.log.")
-    private Optional<Path> record = Optional.empty();
+    @Mixin
+    private RecordOptions record = new RecordOptions();
 
     @Option(names = "--saves", paramLabel = "DIR",
             description = "Folder for world files that clients of the role control save.")
@@ -182,7 +180,7 @@ public final class ServeCommand implements Callable<Integer> {
         makeFolder("--snapshots", Optional.of(snapshots));
         makeFolder("--saves", saves);
         if (paths.size() > 1) {
-            makeFolder("--record", record);
+            makeFolder("--record", record.file());
             makeFolder("--store", store);
         }
     }
@@ -200,8 +198,9 @@ public final class ServeCommand implements Callable<Integer> {
         }
         return new WorldPlan(description,
                 Frames.of(spec, "--seconds", seconds, description.timing()),
-                new Persistence(folder, fileOf(record, description.name() + ".log"),
-                        fileOf(store, description.name() + ".db"), saves, storeEvery, durability),
+                new Persistence(folder, fileOf(record.file(), description.name() + ".log"),
+                        record.maxBytes(), fileOf(store, description.name() + ".db"), saves,
+                        storeEvery, durability),
                 new Pictures(snapshots, pictureFrames), lawPath.forWorld(folder));
     }
 

@@ -1,7 +1,14 @@
 package reve.worlds.cli;
 
 import java.io.IOException;
+import java.nio.ByteBuffer;
+import java.nio.channels.FileChannel;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.FileAlreadyExistsException;
+import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
+import java.nio.file.attribute.PosixFilePermissions;
 import java.time.Duration;
 import java.time.Instant;
 import java.time.format.DateTimeParseException;
@@ -87,6 +94,10 @@ public final class TokenCommand implements Runnable {
             @Option(names = "--expires", paramLabel = "WHEN",
                     description = "30d, 12h, or a time such as 2030-01-31T12:00:00Z.")
             Optional<String> expires,
+            @Option(names = "--out", paramLabel = "FILE",
+                    description = "Write the token to a new file that only its owner may read "
+                            + "(mode 600), instead of printing it.")
+            Optional<Path> out,
             @Option(names = "--json", description = "Print the result as one JSON document.")
             boolean json)
             throws IOException {
@@ -96,17 +107,46 @@ public final class TokenCommand implements Runnable {
         } catch (IllegalArgumentException e) {
             throw new ParameterException(spec.subcommands().get("new"), e.getMessage());
         }
-        TokenFile.add(file, issued.token());
+        if (out.isPresent()) {
+            write(out.get(), issued.secret());
+        }
+        try {
+            TokenFile.add(file, issued.token());
+        } catch (IOException e) {
+            if (out.isPresent()) {
+                Files.delete(out.get());
+            }
+            throw e;
+        }
         if (json) {
-            Map<String, Object> fields = new LinkedHashMap<>(Map.of("token", issued.secret()));
+            Map<String, Object> fields = new LinkedHashMap<>();
+            out.ifPresentOrElse(path -> fields.put("out", path.toString()),
+                    () -> fields.put("token", issued.secret()));
             fields.putAll(fields(issued.token()));
             Json.print(spec, fields);
+        } else if (out.isPresent()) {
+            spec.commandLine().getErr().println("reve: the token of " + name + " is in "
+                    + out.get() + " only; " + file + " keeps its hash");
         } else {
             spec.commandLine().getErr().println("reve: this token of " + name
                     + " is shown only now; " + file + " keeps its hash");
             spec.commandLine().getOut().println(issued.secret());
         }
         return ExitCode.OK;
+    }
+
+    private void write(Path out, String secret) throws IOException {
+        Path path = WritableFile.require(spec.subcommands().get("new").getCommandSpec(), "--out",
+                out);
+        try (FileChannel file = FileChannel.open(path,
+                Set.of(StandardOpenOption.CREATE_NEW, StandardOpenOption.WRITE),
+                PosixFilePermissions.asFileAttribute(
+                        PosixFilePermissions.fromString("rw-------")))) {
+            file.write(ByteBuffer.wrap((secret + "\n").getBytes(StandardCharsets.US_ASCII)));
+        } catch (FileAlreadyExistsException e) {
+            throw new IOException("--out " + out + " is there already; name another file, or "
+                    + "remove it", e);
+        }
     }
 
     @Command(name = "list",

@@ -56,7 +56,7 @@ final class FrameFiles {
     void write(JournalRecord record) throws IOException {
         RunLog.Writer file = current;
         if (file == null) {
-            file = new RunLog.Writer(path(number));
+            file = new RunLog.Writer(path(number), Long.MAX_VALUE);
             current = file;
         }
         file.write(record);

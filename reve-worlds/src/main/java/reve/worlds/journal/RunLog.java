@@ -46,7 +46,12 @@ public final class RunLog {
 
     /** Begins a recording in place of what the file held. */
     public static JournalSink create(Path file) throws IOException {
-        return new Writer(file);
+        return create(file, Long.MAX_VALUE);
+    }
+
+    /** @param maxBytes the recording ends before the first record that it has no room for */
+    public static JournalSink create(Path file, long maxBytes) throws IOException {
+        return new Writer(file, maxBytes);
     }
 
     /**
@@ -62,10 +67,13 @@ public final class RunLog {
     static final class Writer implements JournalSink {
         private final Path file;
         private final FileChannel channel;
+        private final long maxBytes;
         private final Set<String> libraries = new HashSet<>();
+        private boolean full;
 
-        Writer(Path file) throws IOException {
+        Writer(Path file, long maxBytes) throws IOException {
             this.file = file;
+            this.maxBytes = maxBytes;
             refusePipe(file);
             try {
                 channel = FileChannel.open(file, StandardOpenOption.CREATE,
@@ -139,6 +147,10 @@ public final class RunLog {
 
         private void add(ByteBuffer bytes) throws IOException {
             long end = channel.position();
+            full |= bytes.remaining() > maxBytes - end; // nothing may follow a gap
+            if (full) {
+                throw new IOException(file + " has its limit of " + maxBytes + " bytes");
+            }
             try {
                 while (bytes.hasRemaining()) {
                     channel.write(bytes);

@@ -88,7 +88,8 @@ final class HostedWorld implements AutoCloseable {
         }
         if (persistence.recording().isPresent()) {
             closing.add(simulation.journal(persistence.folder(), Map.of(),
-                    new Journal.Plan(0, waits), RunLog.create(persistence.recording().get()),
+                    new Journal.Plan(0, waits),
+                    RunLog.create(persistence.recording().get(), persistence.recordingBytes()),
                     problem -> tellProblem("recording", problem)));
         }
     }
