@@ -42,7 +42,8 @@ Message = Dict[str, Any]
 class Limits:
     """What the server takes from a client: bytes of a line, messages in a second (of the clock, or
     of the world if that goes faster), commands that wait for their result, silence [s] after which
-    it asks whether the client is still there, grace [s] that one can ask for.
+    it asks whether the client is still there, grace [s] that one can ask for; items in the world at
+    a time that actions of this agent created, and that actions of all agents created.
     """
 
     line_bytes: int
@@ -50,6 +51,8 @@ class Limits:
     acts_in_flight: int
     idle_seconds: float
     grace_seconds: float
+    items: int
+    world_items: int
 
 
 @dataclass(frozen=True)
@@ -473,6 +476,8 @@ def _welcome(message: Message) -> Welcome:
             limits["actsInFlight"],
             limits["idleSeconds"],
             limits["graceSeconds"],
+            limits["items"],
+            limits["worldItems"],
         ),
     )
 

@@ -32,6 +32,8 @@ def written(message):
             "actsInFlight": limits.acts_in_flight,
             "idleSeconds": limits.idle_seconds,
             "graceSeconds": limits.grace_seconds,
+            "items": limits.items,
+            "worldItems": limits.world_items,
         }
         time, session = message.time, message.session
         if time is not None:

@@ -255,7 +255,8 @@ final class Protocol {
                 limits.required("messagesPerSecond").intValue(),
                 limits.required("actsInFlight").intValue(),
                 limits.required("idleSeconds").doubleValue(),
-                limits.required("graceSeconds").doubleValue());
+                limits.required("graceSeconds").doubleValue(),
+                limits.required("items").intValue(), limits.required("worldItems").intValue());
     }
 
     private static LockStep lockStep(JsonNode time) {

@@ -36,7 +36,9 @@ public record Welcome(OptionalLong id, int protocol, String role, String agent,
      * @param idleSeconds silence after which it asks whether the agent is still there; the client
      *     answers by itself
      * @param graceSeconds the most that one can ask for
+     * @param items most items in the world at a time that the agent's actions created
+     * @param worldItems most items in the world at a time that actions of all agents created
      */
     public record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
-            double graceSeconds) {}
+            double graceSeconds, int items, int worldItems) {}
 }

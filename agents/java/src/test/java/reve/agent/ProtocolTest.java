@@ -255,7 +255,9 @@ class ProtocolTest {
                         .put("messagesPerSecond", w.limits().messagesPerSecond())
                         .put("actsInFlight", w.limits().actsInFlight())
                         .put("idleSeconds", w.limits().idleSeconds())
-                        .put("graceSeconds", w.limits().graceSeconds());
+                        .put("graceSeconds", w.limits().graceSeconds())
+                        .put("items", w.limits().items())
+                        .put("worldItems", w.limits().worldItems());
             }
             case Perception p -> {
                 put(json.put("t", "perception"), p.id());

@@ -5,6 +5,7 @@ import java.util.Arrays;
 import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
@@ -33,6 +34,7 @@ final class Changes {
     private final ActionCall call;
     private final Map<ItemId, Map<String, double[]>> planned = new HashMap<>();
     private final List<ItemDefinition> created = new ArrayList<>();
+    private final Set<Item> removed = new LinkedHashSet<>();
     private final List<Runnable> all = new ArrayList<>();
     private final List<Runnable> last = new ArrayList<>();
 
@@ -79,6 +81,7 @@ final class Changes {
             Runnable change = changes.prepare(effect);
             (effect instanceof Effect.Remove ? changes.last : changes.all).add(change);
         }
+        call.quota().require(call.world(), changes.created.size(), changes.removed);
         attempt("cannot-create", () -> call.world().requireAddable(changes.created));
         return changes;
     }
@@ -86,7 +89,7 @@ final class Changes {
     /** Makes them; none can fail now. */
     void make() {
         if (!created.isEmpty()) {
-            call.world().addAll(created);
+            call.world().addAll(created, call.quota().agent());
         }
         all.forEach(Runnable::run);
         last.forEach(Runnable::run);
@@ -182,6 +185,7 @@ final class Changes {
 
     private Runnable remove(Item item) throws ActionRefused {
         attempt("cannot-remove", () -> call.world().requireRemovable(item.id()));
+        removed.add(item);
         return () -> call.world().remove(item.id());
     }
 

@@ -20,6 +20,7 @@ import reve.core.world.Arguments;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
+import reve.core.world.ItemQuota;
 import reve.core.world.Parameter;
 import reve.core.world.ParameterType;
 import reve.core.world.Sensor;
@@ -249,7 +250,8 @@ public final class Members {
         }
         Optional<Item> actor = body.in(world);
         perform(action, body, new ActionCall(world, frame, item, actor, arguments,
-                actor.map(body::capabilities).orElse(List.of())));
+                actor.map(body::capabilities).orElse(List.of()),
+                new ItemQuota(act.agent(), policy.items(), policy.worldItems())));
     }
 
     /** To who senses only some things, a refusal does not tell what the action found. */

@@ -139,7 +139,8 @@ final class ServedWorld implements AutoCloseable {
         AgentLimits limits = server.config().limits();
         AgentTimeouts timeouts = server.config().timeouts();
         var told = new Limits(limits.lineBytes(), limits.messagesPerSecond(), limits.actsInFlight(),
-                seconds(timeouts.idle()), seconds(timeouts.grace()));
+                seconds(timeouts.idle()), seconds(timeouts.grace()),
+                port.agents().items(), port.agents().worldItems());
         return new Welcome(hello.id(), AgentServer.PROTOCOL, session.role(), hello.name(),
                 session.body(), port.world(), frame, port.framesPerSecond(), session.encoding(),
                 session.rhythm(), Optional.ofNullable(session.ticket()), resumed, told);

@@ -16,7 +16,7 @@ sealed interface ServerMessage {
     }
 
     record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
-            double graceSeconds) {}
+            double graceSeconds, int items, int worldItems) {}
 
     /**
      * With it, another connection goes on with the session within that time after the first broke.
@@ -163,6 +163,8 @@ sealed interface ServerMessage {
         limits.put("actsInFlight", welcome.limits.actsInFlight);
         limits.put("idleSeconds", welcome.limits.idleSeconds);
         limits.put("graceSeconds", welcome.limits.graceSeconds);
+        limits.put("items", welcome.limits.items);
+        limits.put("worldItems", welcome.limits.worldItems);
         fields.put("limits", limits);
     }
 }

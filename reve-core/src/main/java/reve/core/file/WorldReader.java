@@ -163,7 +163,10 @@ final class WorldReader {
         List<String> bodies = node.get("bodies").map(itemReader.names()::bodies).orElse(List.of());
         Optional<Node> body = node.get("body");
         return new AgentPolicy(bodies, body.isEmpty() ? Optional.empty()
-                : Optional.of(itemReader.readTemplate(body.get())), places(node, check));
+                : Optional.of(itemReader.readTemplate(body.get())), places(node, check),
+                (int) wholeNumber(Optional.of(node), "items", AgentPolicy.DEFAULT_ITEMS),
+                (int) wholeNumber(Optional.of(node), "worldItems",
+                        AgentPolicy.DEFAULT_WORLD_ITEMS));
     }
 
     private List<AgentPolicy.Place> places(Node agents, BodyCheck check) {

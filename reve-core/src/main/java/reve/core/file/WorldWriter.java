@@ -221,6 +221,12 @@ public final class WorldWriter {
         world.agents().template().ifPresent(body -> tree.put("body", items.template(body)));
         putIfAny(tree, "places", world.agents().places().stream().map(place -> ItemWriter.quantity(
                 ScalarType.F64, new double[] {place.x(), place.y(), place.z()})).toList());
+        if (world.agents().items() != AgentPolicy.DEFAULT_ITEMS) {
+            tree.put("items", YamlWriter.Numeral.of(world.agents().items()));
+        }
+        if (world.agents().worldItems() != AgentPolicy.DEFAULT_WORLD_ITEMS) {
+            tree.put("worldItems", YamlWriter.Numeral.of(world.agents().worldItems()));
+        }
         return tree;
     }
 }

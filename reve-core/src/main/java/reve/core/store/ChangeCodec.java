@@ -43,8 +43,7 @@ public final class ChangeCodec {
      */
     public Map<String, Object> write(WorldChange change, byte @Nullable [] columnRows) {
         return switch (change) {
-            case WorldChange.Added added -> tree("add", added.first().value(), "items",
-                    added.definitions().stream().map(texts::tree).toList());
+            case WorldChange.Added added -> added(added);
             case WorldChange.Removed removed -> tree("remove", removed.item().value(),
                     "cascade", !removed.cascade().isEmpty());
             case WorldChange.Renamed renamed ->
@@ -108,11 +107,21 @@ public final class ChangeCodec {
     private void add(World world, JsonNode change) {
         List<ItemDefinition> items = Trees.list(change, "items").stream()
                 .map(texts::read).toList();
-        Item first = world.addAll(items).getFirst();
+        String maker = change.has("maker") ? Trees.text(change, "maker") : null;
+        Item first = world.addAll(items, maker).getFirst();
         if (!first.id().equals(id(change, "add"))) {
             throw new CorruptException(first + " was added, expected an item with the id "
                     + id(change, "add"));
         }
+    }
+
+    private Map<String, Object> added(WorldChange.Added added) {
+        Map<String, Object> tree = tree("add", added.first().value(), "items",
+                added.definitions().stream().map(texts::tree).toList());
+        if (added.maker() != null) {
+            tree.put("maker", added.maker());
+        }
+        return tree;
     }
 
     private Map<String, Object> edited(WorldChange.Edited edited) {

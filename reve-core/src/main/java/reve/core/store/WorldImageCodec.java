@@ -111,13 +111,15 @@ public final class WorldImageCodec {
     }
 
     /**
-     * Texts; for each item its id, name, text and symbols, and parent and pose if it has one; and
-     * the symbols of rules of those that have any.
+     * Texts; for each item its id, name, text and symbols, and parent and pose if it has one; the
+     * symbols of rules of those that have any; and by agent the ids of those that its actions
+     * created.
      */
     private Map<String, Object> items(PMap<ItemId, ItemSymbols> symbols) {
         Map<String, Integer> places = new LinkedHashMap<>();
         List<List<Object>> items = new ArrayList<>();
         List<List<Object>> derived = new ArrayList<>();
+        Map<String, List<Long>> made = new LinkedHashMap<>();
         for (ItemSymbols item : symbols.values()) {
             String text = texts.write(item);
             int place = places.computeIfAbsent(text, any -> places.size());
@@ -132,8 +134,13 @@ public final class WorldImageCodec {
             if (!item.derived().isEmpty()) {
                 derived.add(List.of(item.id().value(), item.derived()));
             }
+            if (item.maker() != null) {
+                made.computeIfAbsent(item.maker(), any -> new ArrayList<>())
+                        .add(item.id().value());
+            }
         }
-        return Map.of("texts", List.copyOf(places.keySet()), "items", items, "derived", derived);
+        return Map.of("texts", List.copyOf(places.keySet()), "items", items, "derived", derived,
+                "made", made);
     }
 
     private PMap<ItemId, ItemSymbols> readItems(JsonNode tree) {
@@ -154,6 +161,15 @@ public final class WorldImageCodec {
             if (items.computeIfPresent(id, (any, item) ->
                     item.withDerived(Trees.values(entry.path(1)))) == null) {
                 throw new CorruptException("symbols of item " + id + ", which is not there");
+            }
+        }
+        for (Map.Entry<String, JsonNode> maker : tree.path("made").properties()) {
+            for (JsonNode entry : Trees.list(tree.path("made"), maker.getKey())) {
+                var id = new ItemId(Trees.integer(entry));
+                if (items.computeIfPresent(id, (any, item) -> item.madeBy(maker.getKey()))
+                        == null) {
+                    throw new CorruptException("the maker of item " + id + ", which is not there");
+                }
             }
         }
         return TreePMap.from(items);

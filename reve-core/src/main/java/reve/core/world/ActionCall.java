@@ -11,14 +11,15 @@ import java.util.Optional;
  * @param actor the body that acts; empty if nobody in the world does
  * @param arguments checked against the action's parameters
  * @param capabilities those of the actor that it may use now
+ * @param quota how many items it may create
  */
 public record ActionCall(World world, long frame, Item target, Optional<Item> actor,
-        Arguments arguments, List<String> capabilities) {
+        Arguments arguments, List<String> capabilities, ItemQuota quota) {
 
-    /** With all capabilities that the actor has. */
+    /** With all capabilities that the actor has, and as many items as it creates. */
     public ActionCall(World world, long frame, Item target, Optional<Item> actor,
             Arguments arguments) {
         this(world, frame, target, actor, arguments,
-                actor.map(item -> item.access().capabilities()).orElse(List.of()));
+                actor.map(item -> item.access().capabilities()).orElse(List.of()), ItemQuota.NONE);
     }
 }

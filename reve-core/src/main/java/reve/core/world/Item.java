@@ -44,6 +44,11 @@ public final class Item {
         return symbols.kind();
     }
 
+    /** The agent whose action created the item; empty for items that came otherwise. */
+    public Optional<String> maker() {
+        return Optional.ofNullable(symbols.maker());
+    }
+
     /** Where the item is and what it looks like. */
     public PhysicalAspect physical() {
         return new PhysicalAspect(this);

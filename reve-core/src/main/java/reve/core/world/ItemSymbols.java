@@ -16,9 +16,10 @@ import org.pcollections.TreePMap;
  *     List of such
  * @param derived the symbols that rules give the item, in the same way
  * @param attachment what the item moves with, null for nothing
+ * @param maker the agent whose action created the item, null for items that came otherwise
  */
 public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String, Object> given,
-        PMap<String, Object> derived, @Nullable Attachment attachment) {
+        PMap<String, Object> derived, @Nullable Attachment attachment, @Nullable String maker) {
 
     private static final PMap<String, Object> NO_SYMBOLS = TreePMap.empty();
 
@@ -34,12 +35,12 @@ public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String
 
     /** What is symbolic in a definition; attached to nothing, whatever it says. */
     public ItemSymbols(ItemId id, ItemDefinition definition) {
-        this(id, definition, Likeness.of(definition));
+        this(id, definition, Likeness.of(definition), null);
     }
 
     /** As the other one, sharing a likeness that is equal to the definition's. */
-    ItemSymbols(ItemId id, ItemDefinition definition, Likeness likeness) {
-        this(id, definition.name(), likeness, definition.symbols(), NO_SYMBOLS, null);
+    ItemSymbols(ItemId id, ItemDefinition definition, Likeness likeness, @Nullable String maker) {
+        this(id, definition.name(), likeness, definition.symbols(), NO_SYMBOLS, null, maker);
     }
 
     public String kind() {
@@ -113,7 +114,7 @@ public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String
     }
 
     ItemSymbols withDerived(PMap<String, Object> newDerived) {
-        return new ItemSymbols(id, name, likeness, given, newDerived, attachment);
+        return new ItemSymbols(id, name, likeness, given, newDerived, attachment, maker);
     }
 
     /** The same with other symbols of the designer's, which are not checked. */
@@ -122,20 +123,25 @@ public record ItemSymbols(ItemId id, String name, Likeness likeness, PMap<String
     }
 
     ItemSymbols renamed(String newName) {
-        return new ItemSymbols(id, newName, likeness, given, derived, attachment);
+        return new ItemSymbols(id, newName, likeness, given, derived, attachment, maker);
     }
 
     ItemSymbols with(Likeness newLikeness) {
-        return new ItemSymbols(id, name, newLikeness, given, derived, attachment);
+        return new ItemSymbols(id, name, newLikeness, given, derived, attachment, maker);
     }
 
     /** The same with another attachment. */
     public ItemSymbols attached(@Nullable Attachment newAttachment) {
-        return new ItemSymbols(id, name, likeness, given, derived, newAttachment);
+        return new ItemSymbols(id, name, likeness, given, derived, newAttachment, maker);
+    }
+
+    /** The same, created by an action of that agent. */
+    public ItemSymbols madeBy(@Nullable String newMaker) {
+        return new ItemSymbols(id, name, likeness, given, derived, attachment, newMaker);
     }
 
     private ItemSymbols with(PMap<String, Object> newGiven) {
-        return new ItemSymbols(id, name, likeness, newGiven, derived, attachment);
+        return new ItemSymbols(id, name, likeness, newGiven, derived, attachment, maker);
     }
 
     private List<Double> dimensions() {

@@ -2,7 +2,9 @@ package reve.core.world;
 
 import java.util.ArrayList;
 import java.util.Collections;
+import java.util.HashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Objects;
 import java.util.function.Function;
 import org.jspecify.annotations.Nullable;
@@ -21,16 +23,19 @@ final class Register {
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     /** Of the item that came last: the next one is often like it. */
     private @Nullable Likeness latest;
+    /** How many items of each agent's making there are; no agent has 0. */
+    private final Map<String, Integer> made = new HashMap<>();
+    private int madeInAll;
     private long lastId;
 
     /** What is symbolic about a new item, under an id that was never given out before. */
-    ItemSymbols symbolsOf(ItemDefinition definition) {
+    ItemSymbols symbolsOf(ItemDefinition definition, @Nullable String maker) {
         Likeness likeness = Likeness.of(definition);
         if (likeness.equals(latest)) {
             likeness = latest;
         }
         latest = likeness;
-        return new ItemSymbols(new ItemId(++lastId), definition, likeness);
+        return new ItemSymbols(new ItemId(++lastId), definition, likeness, maker);
     }
 
     long lastId() {
@@ -71,7 +76,26 @@ final class Register {
             byName.add(item);
             symbols = symbols.plus(item.id(), item.symbols());
             bySymbol.follow(item, null, item.symbols());
+            count(item.symbols(), 1);
         }
+    }
+
+    private void count(ItemSymbols item, int more) {
+        if (item.maker() != null) {
+            madeInAll += more;
+            made.merge(item.maker(), more,
+                    (known, _) -> known + more == 0 ? null : known + more);
+        }
+    }
+
+    /** How many items there are that actions of an agent created. */
+    int made(String agent) {
+        return made.getOrDefault(agent, 0);
+    }
+
+    /** How many there are that actions of agents created. */
+    int made() {
+        return madeInAll;
     }
 
     void remove(Item item) {
@@ -79,6 +103,7 @@ final class Register {
         byName.remove(item);
         symbols = symbols.minus(item.id());
         bySymbol.follow(item, item.symbols(), null);
+        count(item.symbols(), -1);
     }
 
     /** Changes what is symbolic about an item, its name included. */
@@ -117,6 +142,9 @@ final class Register {
         restored.forEach(byName::add);
         bySymbol.clear();
         symbols = image.symbols();
+        made.clear();
+        madeInAll = 0;
+        symbols.values().forEach(item -> count(item, 1));
         lastId = image.lastId();
     }
 }

@@ -59,7 +59,7 @@ public final class World {
         space = spaceOf(table(WorldPrototype.BODY));
         relations = new Relations(table(WorldPrototype.BODY), space, id -> item(id).name());
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
-        register.addAll(List.of(insert(constants.build(), true)));
+        register.addAll(List.of(insert(constants.build(), true, null)));
     }
 
     public String name() {
@@ -115,12 +115,21 @@ public final class World {
      * @throws IllegalStateException naming the phase if the structure is locked
      */
     public List<Item> addAll(List<ItemDefinition> definitions) {
+        return addAll(definitions, null);
+    }
+
+    /**
+     * As the other one.
+     *
+     * @param maker the agent whose action creates them, null for none; see {@link #made}
+     */
+    public List<Item> addAll(List<ItemDefinition> definitions, @Nullable String maker) {
         guard.requireUnlocked("add items");
         new DefinitionCheck(this, definitions).run();
         makeRoom(definitions);
         var added = new ArrayList<Item>(definitions.size());
         for (ItemDefinition definition : definitions) {
-            added.add(insert(definition, definition.hasPhysics()));
+            added.add(insert(definition, definition.hasPhysics(), maker));
         }
         register.addAll(added);
         for (int i = 0; i < added.size(); i++) {
@@ -128,7 +137,8 @@ public final class World {
         }
         hierarchy.placeNew(added);
         if (!added.isEmpty()) {
-            record.note(new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions)));
+            record.note(new WorldChange.Added(added.getFirst().id(), List.copyOf(definitions),
+                    maker));
         }
         return List.copyOf(added);
     }
@@ -457,6 +467,18 @@ public final class World {
         return hierarchy;
     }
 
+    /** How many items there are that actions of an agent created. */
+    public int made(String agent) {
+        guard.checkOwner();
+        return register.made(agent);
+    }
+
+    /** How many items there are that actions of agents created. */
+    public int made() {
+        guard.checkOwner();
+        return register.made();
+    }
+
     /** The highest id that was ever given to an item. */
     public long lastId() {
         return register.lastId();
@@ -512,9 +534,9 @@ public final class World {
         }
     }
 
-    private Item insert(ItemDefinition definition, boolean physics) {
+    private Item insert(ItemDefinition definition, boolean physics, @Nullable String maker) {
         Table table = table(definition.kind());
-        Item item = new Item(table, register.symbolsOf(definition));
+        Item item = new Item(table, register.symbolsOf(definition, maker));
         table.insert(item, physics);
         if (!item.physical().isEmpty()) {
             item.physical().place(definition);

@@ -19,8 +19,16 @@ public sealed interface WorldChange {
      * Items came, all at once, as their definitions say.
      *
      * @param first the id of the first one; those of the others follow without a gap
+     * @param maker the agent whose action created them, null if they came otherwise
      */
-    record Added(ItemId first, List<ItemDefinition> definitions) implements WorldChange {}
+    record Added(ItemId first, List<ItemDefinition> definitions, @Nullable String maker)
+            implements WorldChange {
+
+        /** Items that no action created. */
+        public Added(ItemId first, List<ItemDefinition> definitions) {
+            this(first, definitions, null);
+        }
+    }
 
     /**
      * An item went.

@@ -149,7 +149,8 @@ class WorldCodecTest {
             List<Item> bodies = world.items().stream()
                     .filter(item -> item.kind().equals("body")).toList();
             if (bodies.size() < 4 || random.nextInt(4) == 0) {
-                world.add(body(random));
+                String maker = random.nextInt(3) == 0 ? null : "agent-" + random.nextInt(3);
+                world.addAll(List.of(body(random)), maker);
                 continue;
             }
             Item any = bodies.get(random.nextInt(bodies.size()));
@@ -213,6 +214,7 @@ class WorldCodecTest {
         Map<String, Object> all = new LinkedHashMap<>();
         all.put("symbols", Map.copyOf(world.symbols()));
         all.put("forces", world.forces().active());
+        all.put("made", List.of(world.made(), world.made("agent-0"), world.made("agent-2")));
         all.put("items", world.items().stream().map(Item::toString).toList());
         for (Table table : world.tables()) {
             all.put(table.kind(), table.physicsRowCount());

@@ -1,0 +1,51 @@
+package reve.core.world;
+
+import org.jspecify.annotations.Nullable;
+
+/**
+ * How many items actions may have in a world at a time. Items that were removed count no more.
+ *
+ * @param agent whose action creates items, null for no agent's
+ * @param items most items of that agent's making
+ * @param worldItems most items of all agents' making
+ */
+public record ItemQuota(@Nullable String agent, int items, int worldItems) {
+
+    /** No agent's, and no limit. */
+    public static final ItemQuota NONE =
+            new ItemQuota(null, Integer.MAX_VALUE, Integer.MAX_VALUE);
+
+    /**
+     * Refuses what exceeds the quota.
+     *
+     * @param created items that an action creates
+     * @param removed items that it removes, each once
+     * @throws ActionRefused {@code too-many-items}, with what was found and the limit
+     */
+    public void require(World world, int created, Iterable<Item> removed) throws ActionRefused {
+        if (agent == null || created == 0) {
+            return;
+        }
+        long own = world.made(agent);
+        long all = world.made();
+        long more = created;
+        long moreOfAll = created;
+        for (Item item : removed) {
+            moreOfAll -= item.maker().isPresent() ? 1 : 0;
+            more -= item.maker().filter(agent::equals).isPresent() ? 1 : 0;
+        }
+        if (more > 0 && own + more > items) {
+            throw refused(created, own + " of at most " + items + " items that your actions"
+                    + " created are in the world; remove some of them first");
+        }
+        if (moreOfAll > 0 && all + moreOfAll > worldItems) {
+            throw refused(created, all + " of at most " + worldItems + " items that actions of"
+                    + " agents created are in the world; some of them have to be removed first");
+        }
+    }
+
+    private static ActionRefused refused(int created, String why) {
+        return new ActionRefused("too-many-items", "the action creates " + created
+                + (created == 1 ? " item, and " : " items, and ") + why);
+    }
+}
