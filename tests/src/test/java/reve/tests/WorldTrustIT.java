@@ -9,6 +9,7 @@ import java.io.PrintStream;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
 import java.util.ArrayList;
 import java.util.List;
 import org.junit.jupiter.api.BeforeAll;
@@ -238,5 +239,36 @@ class WorldTrustIT {
         assertThat(resumed.code()).as(resumed.err()).isZero();
         assertThat(resumed.out()).doesNotContain("\"fault\"");
         assertThat(reve(serve, "--trust").code()).isZero();
+    }
+
+    /** An upgrade is the same release with other bytes in its laws. */
+    @Test
+    void aStoreGoesOnAfterAnUpgradeForTheAccountThatMadeIt() throws Exception {
+        Path upgraded = Files.createDirectory(folder.resolve("native"));
+        for (String file : List.of("libvesper.so.1", "libvesper.so", "vesper-probe",
+                "libsqlitejdbc.so")) {
+            Files.copy(Project.NATIVE.resolve(file), upgraded.resolve(file));
+        }
+        String library = "laws/libvesper_law_newton_motion.so";
+        Files.createDirectory(upgraded.resolve("laws"));
+        Files.copy(Project.NATIVE.resolve(library), upgraded.resolve(library));
+        Files.write(upgraded.resolve(library), new byte[1], StandardOpenOption.APPEND);
+        String store = folder.resolve("w.db").toString();
+        String[] serve = {"serve", world("[newton_motion]"), "--port", "0", "--fast", "--seconds",
+            "0.1", "--store", store};
+        assertThat(serveAs("ada", Project.NATIVE, serve).code()).isZero();
+        Outcome resumed = serveAs("ada", upgraded, serve);
+        assertThat(resumed.code()).as(resumed.err()).isZero();
+        Outcome elsewhere = serveAs("bob", upgraded, serve);
+        assertThat(elsewhere.code()).isEqualTo(4);
+        assertThat(elsewhere.err()).contains("the law library 'newton_motion' (SHA-256 ");
+    }
+
+    private Outcome serveAs(String account, Path release, String... arguments) throws Exception {
+        List<String> command = new ArrayList<>(List.of("env",
+                "XDG_STATE_HOME=" + folder.resolve(account)));
+        Reve.command(arguments).forEach(part -> command.add(
+                part.startsWith("-Dreve.native.path=") ? "-Dreve.native.path=" + release : part));
+        return Reve.run(command);
     }
 }

@@ -124,19 +124,28 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
 
     /**
      * Refuses a library of a store or a recording that is neither trusted nor one that the operator
-     * has.
+     * has, nor one that shipped when this account stored a world.
      *
      * @throws PhysicsException naming it
      */
     void requireKnown(LawLibrary library) {
-        if (!trusted && operatorsPlaces().keySet().stream()
-                .noneMatch(place -> holds(place, library.bytes()))) {
+        if (!trusted && !isOperators(library) && !KnownLaws.contains(library.sha256())) {
             throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, "the law library '"
                     + library.name() + "' (SHA-256 " + library.sha256() + ") in it is native code,"
                     + " which runs with all of your rights, and equals none of the laws that ship"
                     + folder.map(own -> " or lie in " + own).orElse("")
                     + ": it is opened only with --trust, or with --laws DIR that has it");
         }
+    }
+
+    /** Keeps in mind which of these libraries, of a world that is stored, ship. Reads files. */
+    void remember(List<LawLibrary> libraries) {
+        KnownLaws.keep(libraries.stream().filter(library -> holds(shipped, library.bytes()))
+                .toList());
+    }
+
+    private boolean isOperators(LawLibrary library) {
+        return operatorsPlaces().keySet().stream().anyMatch(place -> holds(place, library.bytes()));
     }
 
     private Map<Path, Origin> operatorsPlaces() {

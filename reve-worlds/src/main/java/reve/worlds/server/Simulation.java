@@ -30,6 +30,7 @@ import reve.pe.PhysicsException;
 import reve.pe.PhysicsLaw;
 import reve.pe.PreparedLibrary;
 import reve.pe.Status;
+import reve.pe.adapter.LawChange;
 import reve.pe.adapter.PhysicsAdapter;
 import reve.pe.adapter.PropertyNames;
 import reve.pe.adapter.SharedArena;
@@ -334,6 +335,12 @@ public final class Simulation implements AutoCloseable {
             JournalSink sink, Consumer<String> problems) {
         WorldHeader header = new WorldHeader(description.name(), description.prototype(),
                 description.timing(), folder);
+        lawPath.remember(physics.laws().libraries());
+        physics.laws().addListener(change -> {
+            if (change instanceof LawChange.Loaded added) { // the world waits for no disk
+                Thread.ofVirtual().start(() -> lawPath.remember(List.of(added.library())));
+            }
+        });
         return new Journal(header, world, physics, bus, members, plan, sink, problems);
     }
 
