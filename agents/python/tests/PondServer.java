@@ -1,5 +1,6 @@
 import java.io.IOException;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.List;
 import java.util.Optional;
 import reve.core.agent.AgentServerConfig;
@@ -26,7 +27,8 @@ final class PondServer {
                         Optional.empty(), 10, SqliteStore.Durability.NORMAL),
                 new Pictures(file.getParent(), List.of()));
         try (var server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
-                AgentServerConfig.onPort(0), Optional.empty(), (event, fields) -> { })) {
+                AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10)), Optional.empty(),
+                (event, fields) -> { })) {
             System.out.println(server.port());
             Thread.ofVirtual().start(() -> {
                 while (readByte() >= 0) {

@@ -49,7 +49,7 @@ class CameraIT {
     }
 
     private Server serve() throws Exception {
-        return Server.start(folder, "serve", world(), "--port", "0", "--json");
+        return Server.start(folder, "serve", world(), "--port", "0", "--json", "--deadline", "10");
     }
 
     private static AgentClient join(Server server, Encoding encoding) throws Exception {

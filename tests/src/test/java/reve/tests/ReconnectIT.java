@@ -69,7 +69,8 @@ class ReconnectIT {
                 new Persistence(folder, Optional.empty(), Optional.empty(), Optional.empty(), 10,
                         SqliteStore.Durability.NORMAL),
                 new Pictures(folder, List.of()));
-        server = new WorldServer(List.of(plan), Pacing.REAL_TIME, AgentServerConfig.onPort(0),
+        server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
+                AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(10)),
                 Optional.empty(), (type, fields) -> { });
         world = Thread.ofPlatform().start(server::run);
     }

@@ -116,7 +116,9 @@ final class Turn {
 
     /** Whether the agent perceives a frame, having been told last of another one. */
     boolean isDue(long frame, long told) {
-        return presence.get() == Presence.HERE && frame >= origin + rounds(told) * wanted.every();
+        Presence now = presence.get();
+        return (now == Presence.HERE || now == Presence.AWAY)
+                && frame >= origin + rounds(told) * wanted.every();
     }
 
     private long rounds(long frame) {

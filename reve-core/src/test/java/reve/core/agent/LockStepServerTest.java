@@ -81,7 +81,7 @@ class LockStepServerTest {
 
     @Test
     void whoIsSilentIsToldThatItIsNotWaitedForAndComesBackByReady() throws IOException {
-        try (TestClient ada = join("ada", ",'deadline':0.02,'fallback':{'action':'swim'}");
+        try (TestClient ada = join("ada", ",'deadline':0.3,'fallback':{'action':'swim'}");
                 TestClient boss = room.connect()) {
             boss.say("{'t':'hello','protocol':1,'name':'boss','role':'control'}").expect("welcome");
             run();
@@ -95,7 +95,7 @@ class LockStepServerTest {
                         + "'frame':4,'type':'away','fields':{'agent':'ada','body':'ada'}}"));
             }
             while (room.loop.frame() < 1000) {
-                Thread.onSpinWait(); // without it: before, a frame took 20 ms
+                Thread.onSpinWait(); // in 300 s, if each waited for ada
             }
             ada.say("{'t':'ready','frame':3}");
             JsonNode back = boss.expect("event");
@@ -105,8 +105,7 @@ class LockStepServerTest {
             long frame = back.get("frame").longValue();
             JsonNode told = ada.skipTo("perception");
             while (told.get("frame").longValue() < frame) {
-                assertThat(told.get("frame").longValue()).isLessThan(4);
-                told = ada.skipTo("perception");
+                told = ada.skipTo("perception"); // of the rounds while it was away
             }
             assertThat(told.get("frame").longValue()).isEqualTo(frame);
             ada.say("{'t':'ready','frame':%d}".formatted(frame));

@@ -292,10 +292,10 @@ class LockStepTest {
                 new AgentInput.Late("ada", 3, Optional.empty(), true, true));
         news.clear();
         assertThat(gate.nanosecondsToWait(7, 0)).as("the world goes on").isZero();
-        assertThat(turn.isDue(7, 5)).as("it is not told of rounds").isFalse();
+        assertThat(turn.isDue(7, 5)).as("it still perceives its rounds").isTrue();
         turn.ready(3, 7);
         assertThat(gate.nanosecondsToWait(8, 0)).isZero();
-        assertThat(turn.isDue(8, 5)).as("its rounds restart with the next frame").isTrue();
+        assertThat(turn.isDue(8, 7)).as("its rounds restart with the next frame").isTrue();
         assertThat(gate.nanosecondsToWait(9, 0)).as("it is waited for").isEqualTo(MILLISECOND);
         assertThat(news).containsExactly(
                 new AgentInput.Late("ada", 4, Optional.empty(), false, false),
