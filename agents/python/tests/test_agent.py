@@ -283,6 +283,15 @@ class AgentTest(unittest.TestCase):
             counts = [e.fields["count"] for e in own if e.type == "late"]
             self.assertEqual(counts[:3], [1, 2, 3])
 
+    def test_an_edit_is_answered_while_the_world_waits_for_a_silent_agent(self):
+        with self.join("zoe", time=reve.LockStep(deadline=10.0)) as zoe:
+            with reve.control("127.0.0.1", self.port) as boss:
+                frame = zoe.observe().frame
+                begun = time.monotonic()
+                self.assertEqual(boss.edit("duck", "semantic.colour", "grey").frame, frame + 1)
+                self.assertLess(time.monotonic() - begun, 5)
+                self.assertEqual(zoe.step().find("duck").symbols["colour"], "grey")
+
     def test_an_agent_in_lock_step_goes_on_after_a_break(self):
         with self.join("yan", time=reve.LockStep(deadline=5.0), grace=20.0) as yan:
             perception = yan.observe()
