@@ -350,13 +350,25 @@ public final class Members {
                 fields("agent", agent, "body", body.name(), "reason", reason)));
     }
 
-    /** The lent item that an agent asks for, else any free one, else a new item. */
+    /**
+     * The lent item that an agent asks for, else any free one, else a new item. An agent that is
+     * called like an item has this item or none: others could not distinguish the two.
+     */
     private Body take(World world, AgentInput.Join join) throws Ending {
         Rights rights = join.rights();
         if (policy.bodies().isEmpty() && policy.template().isEmpty()) {
             throw Ending.refused("no-bodies", "world " + world.name() + " grants agents no body",
                     "add `agents: {body: {...}}` or `agents: {bodies: [item, ...]}` "
                             + "to the world file");
+        }
+        Optional<Item> namesake = world.find(join.agent());
+        if (namesake.isPresent()) {
+            String name = join.agent();
+            if (!policy.bodies().contains(name) || lent.contains(name) || !rights.opensBody(name)
+                    || !join.body().orElse(name).equals(name)) {
+                throw Ending.nameTaken(name);
+            }
+            return lend(namesake.get(), rights);
         }
         if (join.body().isPresent()) {
             return lend(requireFree(world, join.body().get(), rights), rights);

@@ -157,6 +157,22 @@ class RightsTest {
     }
 
     @Test
+    void anAgentBearsTheNameOfNoItemButItsOwnBody() throws IOException {
+        String crate = issue("crate", agent(ANY, ANY, ANY));
+        String raft = issue("raft", agent(ANY, ANY, ANY));
+        String boat = issue("boat", agent(ANY, Optional.of(Set.of("raft")), ANY));
+        JsonNode taken = refused("crate", ",'token':'" + crate + "'", "name-taken");
+        assertThat(refused("crate", ",'body':'boat','token':'" + crate + "'", "name-taken"))
+                .isEqualTo(taken);
+        assertThat(refused("boat", ",'token':'" + boat + "'", "name-taken").toString())
+                .as("alike").isEqualTo(taken.toString().replace("crate", "boat"));
+        refused("raft", ",'body':'boat','token':'" + raft + "'", "name-taken");
+        try (TestClient client = hello("raft", ",'token':'" + raft + "'")) {
+            assertThat(client.expect("welcome").get("body").stringValue()).isEqualTo("raft");
+        }
+    }
+
+    @Test
     void aTokenWithCapabilitiesLimitsThoseOfTheBody() throws IOException {
         String ada = issue("ada", agent(ANY, ANY, Optional.of(Set.of("push", "fly"))));
         String bob = issue("bob", agent(ANY, ANY, Optional.of(Set.of("lift"))));
