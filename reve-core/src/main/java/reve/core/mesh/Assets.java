@@ -1,5 +1,6 @@
 package reve.core.mesh;
 
+import java.nio.file.Path;
 import java.util.HashMap;
 import java.util.Locale;
 import java.util.Map;
@@ -8,26 +9,39 @@ import reve.core.world.Mesh;
 import reve.core.world.Texture;
 
 /**
- * The meshes and textures that one world uses. Each file is read once, and all who name it share
- * what was read. One thread.
+ * The meshes and textures that one world uses. Each file is read once, by whatever path or link it
+ * is named, and all items that name it share what was read. One thread.
  */
 public final class Assets {
 
     private static final int MAX_FILE_BYTES = 64 << 20;
-    private static final int MAX_IMAGE_BYTES = 32 << 20;
 
-    private final WorldFolder folder;
-    private final Budget budget = new Budget();
-    private final Map<String, Loaded<Mesh>> meshes = new HashMap<>();
-    private final Map<String, Loaded<Texture>> textures = new HashMap<>();
+    private final AssetFiles files;
+    private final Map<Place, Loaded<Mesh>> meshes = new HashMap<>();
+    private final Map<Place, Loaded<Texture>> textures = new HashMap<>();
 
-    /** What came of reading a file: the same answer to all who ask. */
-    private record Loaded<T>(Optional<T> value, Optional<AssetException> problem) {
-        T get() throws AssetException {
-            if (problem.isPresent()) {
+    /**
+     * What a path leads to.
+     *
+     * @param file its real path
+     * @param beside the real folder that the file's own references begin at
+     */
+    private record Place(Path file, Path beside) {}
+
+    /**
+     * What came of reading a file: the same answer for all that name it.
+     *
+     * @param path that it was read by
+     */
+    private record Loaded<T>(String path, Optional<T> value, Optional<AssetException> problem) {
+        T get(String by) throws AssetException {
+            if (problem.isEmpty()) {
+                return value.orElseThrow();
+            }
+            if (by.equals(path)) {
                 throw problem.get();
             }
-            return value.orElseThrow();
+            throw new AssetException(by + ": is the same file as " + problem.get().getMessage());
         }
     }
 
@@ -36,7 +50,12 @@ public final class Assets {
     }
 
     public Assets(WorldFolder folder) {
-        this.folder = folder;
+        this(folder, new Budget(System::nanoTime));
+    }
+
+    /** For tests of the time that reading may take. */
+    Assets(WorldFolder folder, Budget budget) {
+        this.files = new AssetFiles(folder, budget);
     }
 
     /**
@@ -47,17 +66,15 @@ public final class Assets {
      */
     public Mesh mesh(String path) throws AssetException {
         return once(meshes, path, () -> {
-            byte[] bytes = folder.read(path, MAX_FILE_BYTES);
-            var sources = new Sources(folder, path, budget);
             String name = path.toLowerCase(Locale.ROOT);
-            if (name.endsWith(".glb") || name.endsWith(".gltf")) {
-                return GltfReader.read(bytes, sources);
+            boolean gltf = name.endsWith(".glb") || name.endsWith(".gltf");
+            if (!gltf && !name.endsWith(".obj")) {
+                throw new AssetException(path + ": expected a mesh in a .glb, .gltf or .obj file; "
+                        + "convert others to .glb");
             }
-            if (name.endsWith(".obj")) {
-                return ObjMeshReader.read(bytes, sources);
-            }
-            throw new AssetException(path + ": expected a mesh in a .glb, .gltf or .obj file; "
-                    + "convert others to .glb");
+            byte[] bytes = files.read(path, MAX_FILE_BYTES);
+            var sources = new Sources(files, path);
+            return gltf ? GltfReader.read(bytes, sources) : ObjMeshReader.read(bytes, sources);
         });
     }
 
@@ -68,26 +85,28 @@ public final class Assets {
      * @throws AssetException if it cannot be used, saying why
      */
     public Texture texture(String path) throws AssetException {
-        return once(textures, path, () ->
-                ImageDecoder.decode(folder.read(path, MAX_IMAGE_BYTES), path, Optional.of(path),
-                        budget));
+        return once(textures, path, () -> files.image(path, Optional.of(path)));
     }
 
-    private <T> T once(Map<String, Loaded<T>> known, String path, Reading<T> reading)
+    private <T> T once(Map<Place, Loaded<T>> known, String path, Reading<T> reading)
             throws AssetException {
-        Loaded<T> loaded = known.get(path);
+        Place place = new Place(files.find(path), files.folderOf(path));
+        Loaded<T> loaded = known.get(place);
         if (loaded == null) {
-            loaded = load(reading);
-            known.put(path, loaded);
+            loaded = load(path, reading);
+            known.put(place, loaded);
         }
-        return loaded.get();
+        return loaded.get(path);
     }
 
-    private static <T> Loaded<T> load(Reading<T> reading) {
+    private <T> Loaded<T> load(String path, Reading<T> reading) {
+        files.budget().begin();
         try {
-            return new Loaded<>(Optional.of(reading.read()), Optional.empty());
+            return new Loaded<>(path, Optional.of(reading.read()), Optional.empty());
         } catch (AssetException problem) {
-            return new Loaded<>(Optional.empty(), Optional.of(problem));
+            return new Loaded<>(path, Optional.empty(), Optional.of(problem));
+        } finally {
+            files.budget().end();
         }
     }
 }

@@ -1,27 +1,70 @@
 package reve.core.mesh;
 
-/** How much all assets of one world may take together. */
+import java.util.function.LongSupplier;
+
+/** Limits what all assets of one world take together. One thread. */
 final class Budget {
 
-    private static final long MAX_VERTICES = 1 << 22;
-    private static final long MAX_PIXELS = 1 << 25;
+    static final long MAX_BYTES = 1L << 28;
+    static final long MAX_VERTICES = 1 << 22;
+    static final long MAX_TRIANGLES = 1 << 22;
+    static final long MAX_PIXELS = 1 << 25;
+    /** Longest time that reading may take in all [s]: the last resort, far above all others. */
+    static final long MAX_SECONDS = 60;
 
+    private final LongSupplier nanoTime;
+    private long bytes;
     private long vertices;
+    private long triangles;
     private long pixels;
+    private long nanoseconds;
+    private long begun;
+
+    /** @param nanoTime as {@link System#nanoTime} */
+    Budget(LongSupplier nanoTime) {
+        this.nanoTime = nanoTime;
+    }
+
+    /** Starts the clock, which stands still between two assets. */
+    void begin() {
+        begun = nanoTime.getAsLong();
+    }
+
+    /** Stops the clock. */
+    void end() {
+        nanoseconds += nanoTime.getAsLong() - begun;
+    }
+
+    /** Of a file, or of data within another that is read anew. */
+    void takeBytes(String path, long count) throws AssetException {
+        bytes += count;
+        require(path, bytes, MAX_BYTES, "meshes and images", "bytes");
+    }
 
     void takeVertices(String path, long count) throws AssetException {
         vertices += count;
-        if (vertices > MAX_VERTICES) {
-            throw new AssetException(path + ": the meshes of this world have more than "
-                    + MAX_VERTICES + " vertices together");
-        }
+        require(path, vertices, MAX_VERTICES, "meshes", "vertices");
+    }
+
+    void takeTriangles(String path, long count) throws AssetException {
+        triangles += count;
+        require(path, triangles, MAX_TRIANGLES, "meshes", "triangles");
     }
 
     void takePixels(String path, long count) throws AssetException {
         pixels += count;
-        if (pixels > MAX_PIXELS) {
-            throw new AssetException(path + ": the textures of this world have more than "
-                    + MAX_PIXELS + " pixels together");
+        require(path, pixels, MAX_PIXELS, "textures", "pixels");
+    }
+
+    private void require(String path, long taken, long most, String whose, String what)
+            throws AssetException {
+        if (taken > most) {
+            throw new AssetException(path + ": the " + whose + " of this world have more than "
+                    + most + " " + what + " together");
+        }
+        if (nanoseconds + nanoTime.getAsLong() - begun > MAX_SECONDS * 1_000_000_000) {
+            throw new AssetException(path + ": the meshes and images of this world take longer "
+                    + "than " + MAX_SECONDS + " s to read; use fewer or smaller ones");
         }
     }
 }

@@ -13,6 +13,7 @@ import java.util.Optional;
 import org.jspecify.annotations.Nullable;
 import tools.jackson.core.JacksonException;
 import tools.jackson.core.JsonParser;
+import tools.jackson.core.JsonToken;
 import tools.jackson.databind.json.JsonMapper;
 
 /**
@@ -27,6 +28,10 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
     private static final int BINARY_CHUNK = 0x004e4942;
     /** Most values of the JSON: a megabyte of them can take hundreds as objects. */
     private static final int MAX_TOKENS = 500_000;
+    /** Most characters of a text in the JSON, beyond which the library does not read. */
+    private static final int MAX_TEXT = 19_999_999;
+    /** Most lists and objects of the JSON in each other. */
+    private static final int MAX_NESTING = 100;
 
     static GltfContainer read(byte[] bytes, Sources sources) throws AssetException {
         ByteBuffer file = ByteBuffer.wrap(bytes).order(ByteOrder.LITTLE_ENDIAN);
@@ -81,7 +86,8 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             var reader = new GltfReaderV2();
             List<JsonError> unfit = new ArrayList<>();
             reader.setJsonErrorConsumer(error -> {
-                if (error.getThrowable() != null) { // else a property that nobody knows
+                // Without a failure it is about a property that glTF does not know.
+                if (error.getThrowable() != null && unfit.isEmpty()) {
                     unfit.add(error);
                 }
             });
@@ -97,30 +103,39 @@ record GltfContainer(GlTF gltf, Optional<ByteBuffer> binary) {
             return gltf;
         } catch (IOException | RuntimeException broken) {
             // The library answers some broken files with unchecked exceptions.
-            throw sources.refuse("not glTF: " + firstLine(broken));
+            throw sources.refuse("not glTF: " + Reason.of(broken, "it contradicts itself"));
         }
     }
 
     private static String describe(JsonError error) {
         return error.getJsonPathString().replaceAll("\\.+", ".").substring(1) + ": "
-                + error.getMessage().lines().findFirst().orElse("");
+                + Reason.of(error.getMessage(), "found another type than glTF has there");
     }
 
     private static void checkSize(byte[] json, Sources sources) throws AssetException {
         try (JsonParser parser = JsonMapper.shared().createParser(json)) {
             int tokens = 0;
-            while (parser.nextToken() != null) {
+            int depth = 0;
+            for (var token = parser.nextToken(); token != null; token = parser.nextToken()) {
+                depth += token.isStructStart() ? 1 : token.isStructEnd() ? -1 : 0;
+                if (depth > MAX_NESTING) {
+                    throw sources.refuse("line " + parser.currentLocation().getLineNr()
+                            + ": JSON nested more than " + MAX_NESTING + " deep");
+                }
+                if (token == JsonToken.VALUE_STRING && parser.getStringLength() > MAX_TEXT) {
+                    throw sources.refuse("a text of more than " + MAX_TEXT + " characters; put "
+                            + "data into a .bin file beside it, or export it as .glb");
+                }
                 if (++tokens > MAX_TOKENS) {
                     throw sources.refuse("more than " + MAX_TOKENS + " values of JSON");
                 }
             }
         } catch (JacksonException broken) {
-            throw sources.refuse("line " + broken.getLocation().getLineNr() + ": not JSON: "
-                    + broken.getOriginalMessage().lines().findFirst().orElse(""));
+            // What is beyond the parser's own limits has no place.
+            String place = broken.getLocation() == null ? ""
+                    : "line " + broken.getLocation().getLineNr() + ": ";
+            throw sources.refuse(place + "not JSON: "
+                    + Reason.of(broken.getOriginalMessage(), "a text or number is too long"));
         }
-    }
-
-    private static String firstLine(Exception broken) {
-        return String.valueOf(broken.getMessage()).lines().findFirst().orElse("");
     }
 }

@@ -21,6 +21,7 @@ final class GltfMaterials {
     private final Sources sources;
     private final Map<Integer, Material> known = new HashMap<>();
     private final Map<Integer, Texture> images = new HashMap<>();
+    private final Map<Integer, Texture> inViews = new HashMap<>();
 
     GltfMaterials(GlTF gltf, GltfAccessors accessors, Sources sources) {
         this.gltf = gltf;
@@ -88,14 +89,30 @@ final class GltfMaterials {
         Image image = GltfContainer.element(gltf.getImages(), source, "image", sources);
         Texture decoded = images.get(source);
         if (decoded == null) {
-            ByteBuffer encoded = image.getUri() != null ? sources.read(image.getUri())
-                    : accessors.view(image.getBufferView());
-            byte[] bytes = new byte[encoded.remaining()];
-            encoded.get(bytes);
-            decoded = ImageDecoder.decode(bytes, sources.path() + ": image " + source,
-                    Optional.empty(), sources.budget());
+            decoded = image.getUri() == null ? inView(image.getBufferView(), source)
+                    : image.getUri().startsWith("data:")
+                    ? decode(sources.read(image.getUri()), source)
+                    : sources.imageBehind(image.getUri());
             images.put(source, decoded);
         }
         return decoded;
+    }
+
+    /** Images that name one part of the file are one. */
+    private Texture inView(@Nullable Integer view, Integer source) throws AssetException {
+        Texture known = inViews.get(view);
+        if (known == null) {
+            known = decode(accessors.view(view), source);
+            inViews.put(view, known);
+        }
+        return known;
+    }
+
+    private Texture decode(ByteBuffer encoded, Integer source) throws AssetException {
+        sources.budget().takeBytes(sources.path(), encoded.remaining());
+        byte[] bytes = new byte[encoded.remaining()];
+        encoded.get(bytes);
+        return ImageDecoder.decode(bytes, sources.path() + ": image " + source, Optional.empty(),
+                sources.budget());
     }
 }

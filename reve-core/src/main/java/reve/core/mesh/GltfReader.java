@@ -21,6 +21,8 @@ import reve.core.world.Mesh;
 final class GltfReader {
 
     private static final int MAX_DEPTH = 256;
+    /** Most primitives that nodes place, lines and points included. */
+    private static final int MAX_PIECES = 1 << 20;
 
     private final GlTF gltf;
     private final Sources sources;
@@ -28,6 +30,7 @@ final class GltfReader {
     private final GltfMaterials materials;
     private final MeshAssembler mesh;
     private final Set<Integer> placed = new HashSet<>();
+    private int pieces;
 
     private GltfReader(GltfContainer file, Sources sources) {
         this.gltf = file.gltf();
@@ -69,7 +72,9 @@ final class GltfReader {
             return orEmpty(element(gltf.getScenes(), scene, "scene").getNodes());
         }
         Set<Integer> children = new HashSet<>();
-        nodes.forEach(node -> children.addAll(orEmpty(node.getChildren())));
+        for (int i = 0; i < nodes.size(); i++) {
+            children.addAll(orEmpty(element(nodes, i, "node").getChildren()));
+        }
         return IntStream.range(0, nodes.size()).boxed()
                 .filter(node -> !children.contains(node)).toList();
     }
@@ -89,9 +94,10 @@ final class GltfReader {
         }
         Placement here = parent.times(placement(node));
         if (node.getMesh() != null) {
-            var primitives = element(gltf.getMeshes(), node.getMesh(), "mesh").getPrimitives();
-            for (MeshPrimitive primitive : orEmpty(primitives)) {
-                add(primitive, here);
+            List<MeshPrimitive> primitives =
+                    orEmpty(element(gltf.getMeshes(), node.getMesh(), "mesh").getPrimitives());
+            for (int i = 0; i < primitives.size(); i++) {
+                add(element(primitives, i, "primitive"), here);
             }
         }
         for (Integer child : orEmpty(node.getChildren())) {
@@ -109,6 +115,9 @@ final class GltfReader {
     }
 
     private void add(MeshPrimitive primitive, Placement placement) throws AssetException {
+        if (++pieces > MAX_PIECES) {
+            throw sources.refuse("nodes place more than " + MAX_PIECES + " primitives");
+        }
         int mode = primitive.getMode() == null ? primitive.defaultMode() : primitive.getMode();
         if (mode < GltfConstants.GL_TRIANGLES) {
             return; // points and lines

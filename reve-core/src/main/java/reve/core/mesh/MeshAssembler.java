@@ -32,6 +32,7 @@ final class MeshAssembler {
         requireRoom("vertices", vertexCount + vertices);
         requireRoom("triangles", indexCount / 3 + newTriangles);
         sources.budget().takeVertices(sources.path(), vertices);
+        sources.budget().takeTriangles(sources.path(), newTriangles);
         int wanted = vertexCount + (int) vertices;
         if (wanted > colours.length) {
             int count = grown(colours.length, wanted);

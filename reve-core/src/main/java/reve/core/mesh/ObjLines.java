@@ -1,53 +1,207 @@
 package reve.core.mesh;
 
 import java.nio.charset.StandardCharsets;
-import java.util.Map;
-import java.util.Optional;
-import java.util.regex.Pattern;
+import java.util.Locale;
 
-/** Finds the line of an OBJ file that its reader stumbled over. */
+/**
+ * The lines of an OBJ or MTL file, word by word. A backslash at the end of a line joins the next
+ * one to it, and {@code #} begins a comment where a line begins. One pass, no memory.
+ */
 final class ObjLines {
-    private static final Pattern NUMBER =
-            Pattern.compile("[+-]?(\\d+\\.?\\d*|\\.\\d+)([eE][+-]?\\d+)?");
-    private static final Pattern CORNER = Pattern.compile("-?\\d{1,9}(/(-?\\d{1,9})?){0,2}");
-    /** Fewest numbers behind a keyword. */
-    private static final Map<String, Integer> NUMBERS = Map.of("v", 3, "vt", 1, "vn", 3);
-    private static final int CORNERS = 3;
-    private static final int SHOWN = 48;
 
-    private ObjLines() {}
+    private static final int MAX_NUMBER_LENGTH = 64;
+    private static final int SHOWN = 40;
 
-    /** The first line that is wrong in itself, and what is expected of it. */
-    static Optional<String> fault(byte[] bytes) {
-        int number = 0;
-        for (String line : new String(bytes, StandardCharsets.ISO_8859_1).split("\\R")) {
-            number++;
-            String[] words = line.strip().split("\\s+");
-            Optional<String> expected = expected(words);
-            if (expected.isPresent()) {
-                return Optional.of("line " + number + " is `" + shorten(line.strip())
-                        + "`, expected " + expected.get());
+    private final byte[] bytes;
+    private final Sources sources;
+    private final String format;
+    private int at;
+    /** Number of the line that {@link #at} is in, from 1. */
+    private int line = 1;
+    /** Of the last word: where it begins, and where it ends. */
+    private int from;
+    private int to;
+
+    /** @param format what messages call a file that is none, and which file */
+    ObjLines(byte[] bytes, Sources sources, String format) {
+        this.bytes = bytes;
+        this.sources = sources;
+        this.format = format;
+    }
+
+    /** Goes to the next line that has a word, which becomes the last word; false at the end. */
+    boolean next() {
+        while (at < bytes.length) {
+            if (word()) {
+                if (bytes[from] != '#') {
+                    return true;
+                }
+                skipLine();
+            }
+            if (at < bytes.length) {
+                at++; // the line feed
+                line++;
             }
         }
-        return Optional.empty();
+        return false;
     }
 
-    /** What a line should be; empty if it is that. */
-    private static Optional<String> expected(String[] words) {
-        int least = words[0].equals("f") ? CORNERS : NUMBERS.getOrDefault(words[0], 0);
-        Pattern pattern = words[0].equals("f") ? CORNER : NUMBER;
-        boolean right = least == 0 || words.length > least;
-        for (int i = 1; right && least > 0 && i <= (words[0].equals("f") ? words.length - 1
-                : least); i++) {
-            right = pattern.matcher(words[i]).matches();
+    /** Whether the last word is this one, given in lower case. */
+    boolean is(String keyword) {
+        if (to - from != keyword.length()) {
+            return false;
         }
-        return right ? Optional.empty() : Optional.of(words[0].equals("f")
-                ? "at least three corners such as `f 1 2 3` or `f 1/1/1 2/2/1 3/3/1`"
-                : "`" + words[0] + "` and at least " + least
-                        + (least == 1 ? " number" : " numbers"));
+        for (int i = 0; i < keyword.length(); i++) {
+            if (Character.toLowerCase(bytes[from + i]) != keyword.charAt(i)) {
+                return false;
+            }
+        }
+        return true;
     }
 
-    private static String shorten(String text) {
-        return text.length() <= SHOWN ? text : text.substring(0, SHOWN - 1) + "…";
+    /** Goes to the next word of the line; false if there is none. */
+    boolean word() {
+        while (at < bytes.length && bytes[at] != '\n' && isGap(at)) {
+            skipGap();
+        }
+        from = at;
+        while (at < bytes.length && bytes[at] != '\n' && !isGap(at)) {
+            at++;
+        }
+        to = at;
+        return to > from;
+    }
+
+    /** Passes over what the line has left. */
+    void skipLine() {
+        while (at < bytes.length && bytes[at] != '\n') {
+            skipGap();
+        }
+    }
+
+    /** Makes the last word the next one again. */
+    void back() {
+        at = from;
+    }
+
+    /** The last word and what the line has left, without gaps around it. */
+    String fromWord() {
+        back();
+        return rest();
+    }
+
+    /** What the line has left, without gaps around it. */
+    String rest() {
+        int begin = at;
+        skipLine();
+        String rest = new String(bytes, begin, at - begin, StandardCharsets.UTF_8);
+        return (rest.indexOf('\n') < 0 ? rest : rest.replaceAll("\\\\\r?\n", " ")).strip();
+    }
+
+    /** The next word as a number. */
+    float number(String keyword) throws AssetException {
+        if (!word()) {
+            throw refuse("`" + keyword + "` has too few numbers");
+        }
+        return number();
+    }
+
+    /** The last word as a number. */
+    float number() throws AssetException {
+        if (to - from <= MAX_NUMBER_LENGTH) {
+            try {
+                return Float.parseFloat(text());
+            } catch (NumberFormatException none) {
+                // told below
+            }
+        }
+        throw refuse("`" + text() + "` is no number");
+    }
+
+    /** Whether the last word is a number. */
+    boolean isNumber() {
+        try {
+            number();
+            return true;
+        } catch (AssetException none) {
+            return false;
+        }
+    }
+
+    /**
+     * The numbers of a face's corner, the last word: {@code 1}, {@code 1/2}, {@code 1//3} or
+     * {@code 1/2/3}.
+     *
+     * @param counts how many positions, texture coordinates and normals there are so far
+     * @param into (3) which of them, from 0; -1 for none
+     */
+    void corner(int[] counts, int[] into) throws AssetException {
+        int begin = from;
+        for (int part = 0; part < 3; part++) {
+            int end = begin;
+            while (end < to && bytes[end] != '/') {
+                end++;
+            }
+            into[part] = begin >= to || end == begin && part == 1 ? -1
+                    : index(begin, end, counts[part]);
+            begin = end + 1;
+        }
+        if (begin <= to || into[0] < 0) {
+            throw refuse("`" + text() + "` is no corner of a face");
+        }
+    }
+
+    /** From 1 on, or back from the end; where it leads is checked when all is read. */
+    private int index(int begin, int end, int count) throws AssetException {
+        boolean back = begin < end && bytes[begin] == '-';
+        long number = 0;
+        int digits = back ? begin + 1 : begin;
+        for (int i = digits; i < end; i++) {
+            int digit = bytes[i] - '0';
+            number = digit < 0 || digit > 9 || number > Integer.MAX_VALUE ? -1
+                    : number < 0 ? -1 : 10 * number + digit;
+        }
+        long index = back ? count - number : number - 1;
+        if (digits == end || number <= 0 || index < 0 || index > Integer.MAX_VALUE) {
+            throw refuse("`" + text() + "` is no corner of a face that there is");
+        }
+        return (int) index;
+    }
+
+    AssetException refuse(String reason) {
+        return sources.refuse(format + ": line " + line + ": " + reason);
+    }
+
+    /** The last word, shortened. */
+    String text() {
+        int length = Math.min(to - from, MAX_NUMBER_LENGTH);
+        String word = new String(bytes, from, length, StandardCharsets.UTF_8);
+        return length <= SHOWN || length == to - from ? word : word.substring(0, SHOWN) + "…";
+    }
+
+    /** The last word in lower case. */
+    String keyword() {
+        return text().toLowerCase(Locale.ROOT);
+    }
+
+    /** White space, or a backslash that joins two lines. */
+    private boolean isGap(int place) {
+        byte b = bytes[place];
+        return b == ' ' || b == '\t' || b == '\r' || b == '\f' || joins(place) > 0;
+    }
+
+    private void skipGap() {
+        int joined = joins(at);
+        line += joined > 0 ? 1 : 0;
+        at += Math.max(1, joined);
+    }
+
+    /** How many bytes join two lines here; 0 if none do. */
+    private int joins(int place) {
+        if (bytes[place] != '\\') {
+            return 0;
+        }
+        int feed = place + 1 < bytes.length && bytes[place + 1] == '\r' ? place + 2 : place + 1;
+        return feed < bytes.length && bytes[feed] == '\n' ? feed + 1 - place : 0;
     }
 }

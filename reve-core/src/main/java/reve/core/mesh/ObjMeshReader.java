@@ -1,183 +1,217 @@
 package reve.core.mesh;
 
-import de.javagl.obj.FloatTuple;
-import de.javagl.obj.Mtl;
-import de.javagl.obj.MtlReader;
-import de.javagl.obj.Obj;
-import de.javagl.obj.ObjFace;
-import de.javagl.obj.ObjReader;
-import java.io.ByteArrayInputStream;
-import java.io.IOException;
+import java.util.ArrayList;
+import java.util.Arrays;
 import java.util.HashMap;
+import java.util.List;
 import java.util.Map;
-import java.util.Optional;
-import org.jspecify.annotations.Nullable;
-import reve.core.world.Colour;
 import reve.core.world.Material;
 import reve.core.world.Mesh;
-import reve.core.world.Texture;
 
 /**
  * Wavefront OBJ to one mesh: all faces, split into triangles around their first corner, in metres.
- * Of its material libraries: diffuse colour and texture, and the roughness and metallic of those
- * that say so.
+ * Groups are passed over. One pass over the file, then one over its faces, as a face may refer to
+ * what comes later.
  */
 final class ObjMeshReader {
 
-    private static final int MAX_LIBRARY_BYTES = 1 << 20;
-    private static final int MAX_GROUPS = 65_536;
+    private static final String[] NAMES = {"vertex", "vt", "vn"};
+    private static final int MAX_MATERIALS = 65_536;
+    private static final int NONE = -1;
 
-    private final Obj obj;
     private final Sources sources;
+    private final ObjLines lines;
+    private final ObjMaterials materials;
     private final MeshAssembler mesh;
-    private final Map<String, Material> materials = new HashMap<>();
-    private final Map<Corner, Integer> vertices = new HashMap<>();
-    /** Of the face that is being read. */
-    private Material material = Material.DEFAULT;
+    /** Positions (x 3), texture coordinates (x 2) and normals (x 3). */
+    private final float[][] values = {new float[0], new float[0], new float[0]};
+    private final int[] widths = {3, 2, 3};
+    private final int[] counts = new int[3];
+    /** Three numbers for each corner: which position, texture coordinates and normal. */
+    private int[] corners = new int[0];
+    private int cornerCount;
+    /** Two numbers for each face: its corners, and the place of its material among the names. */
+    private int[] faces = new int[0];
+    private int faceCount;
+    private final Map<String, Integer> materialNumbers = new HashMap<>();
+    private final List<String> materialNames = new ArrayList<>();
+    /** Vertices of the mesh by their corner: places in {@link #known}, plus 1; open addressing. */
+    private int[] slots = new int[1 << 12];
+    private int[] known = new int[0];
+    private int vertexCount;
 
-    /** Which of the file's positions, texture coordinates and normals a vertex has; -1 for none. */
-    private record Corner(int position, int coordinates, int normal) {}
-
-    private ObjMeshReader(Obj obj, Sources sources) {
-        this.obj = obj;
+    private ObjMeshReader(byte[] bytes, Sources sources) {
         this.sources = sources;
+        this.lines = new ObjLines(bytes, sources, "not OBJ");
+        this.materials = new ObjMaterials(sources);
         this.mesh = new MeshAssembler(sources);
     }
 
     static Mesh read(byte[] bytes, Sources sources) throws AssetException {
-        checkSize(bytes, sources);
-        try {
-            return new ObjMeshReader(ObjReader.read(new ByteArrayInputStream(bytes)), sources)
-                    .read();
-        } catch (IOException | RuntimeException broken) {
-            // The library answers some broken files with unchecked exceptions.
-            throw sources.refuse("not OBJ: " + ObjLines.fault(bytes)
-                    .orElse("its lines do not fit together"));
-        }
-    }
-
-    /** Counts lines by what they begin with, which bounds what the library makes of them. */
-    private static void checkSize(byte[] bytes, Sources sources) throws AssetException {
-        int vertices = 0;
-        int corners = 0;
-        int groups = 0;
-        byte keyword = '\n';
-        boolean inWord = false;
-        for (byte b : bytes) {
-            boolean gap = b == ' ' || b == '\t' || b == '\r';
-            if (b == '\n') {
-                keyword = '\n';
-            } else if (keyword == '\n' && !gap) {
-                keyword = b;
-                vertices += b == 'v' ? 1 : 0;
-                groups += b == 'g' || b == 'o' || b == 'u' || b == 'm' ? 1 : 0;
-            } else if (!gap && !inWord) {
-                corners += keyword == 'f' ? 1 : 0;
-                groups += keyword == 'g' || keyword == 'm' ? 1 : 0;
-            }
-            inWord = b != '\n' && !gap;
-        }
-        if (vertices > 3 * Mesh.MAX_COUNT || corners > 3 * Mesh.MAX_COUNT) {
-            throw sources.refuse("more than " + Mesh.MAX_COUNT + " vertices or triangles; simplify "
-                    + "the mesh");
-        }
-        if (groups > MAX_GROUPS) {
-            throw sources.refuse("more than " + MAX_GROUPS + " groups and materials");
-        }
+        return new ObjMeshReader(bytes, sources).read();
     }
 
     private Mesh read() throws AssetException {
-        for (String library : obj.getMtlFileNames()) {
-            readLibrary(library);
-        }
+        readLines();
         mesh.reserve(0, 0);
-        for (int i = 0; i < obj.getNumFaces(); i++) {
-            add(obj.getFace(i));
+        int corner = 0;
+        for (int face = 0; face < faceCount; face++) {
+            int number = faces[2 * face + 1];
+            add(corner, faces[2 * face], number == NONE ? Material.DEFAULT
+                    : materials.get(materialNames.get(number)));
+            corner += faces[2 * face];
         }
         return mesh.finish(!materials.isEmpty());
     }
 
-    private void readLibrary(String name) throws AssetException {
-        try {
-            byte[] bytes = sources.file(name, MAX_LIBRARY_BYTES);
-            for (Mtl mtl : MtlReader.read(new ByteArrayInputStream(bytes))) {
-                materials.put(mtl.getName(), material(mtl));
+    private void readLines() throws AssetException {
+        int material = NONE;
+        while (lines.next()) {
+            if (lines.is("v")) {
+                take(0, "v");
+            } else if (lines.is("vt")) {
+                take(1, "vt");
+            } else if (lines.is("vn")) {
+                take(2, "vn");
+            } else if (lines.is("f")) {
+                takeFace(material);
+            } else if (lines.is("usemtl")) {
+                material = materialNumber(lines.rest());
+            } else if (lines.is("mtllib")) {
+                materials.readLibrary(lines.rest());
             }
-        } catch (IOException | RuntimeException broken) {
-            throw sources.refuse("material library " + name + " is not MTL: one of its lines has "
-                    + "no number where one is expected");
+            lines.skipLine();
         }
     }
 
-    private Material material(Mtl mtl) throws AssetException {
-        FloatTuple colour = mtl.getKd();
-        Optional<Texture> texture = mtl.getMapKd() == null ? Optional.empty()
-                : Optional.of(sources.image(mtl.getMapKd()));
-        return new Material(colour == null ? Colour.WHITE : colour(colour),
-                mtl.getPr() == null ? Material.DEFAULT.roughness() : mtl.getPr(),
-                mtl.getPm() == null ? Material.DEFAULT.metallic() : mtl.getPm(), texture);
-    }
-
-    /** By custom, the colours of these files are sRGB. */
-    private static Colour colour(FloatTuple rgb) {
-        int rgba = 0xff;
-        for (int i = 2; i >= 0; i--) {
-            rgba = rgba << 8 | Math.round(255 * Math.clamp(rgb.get(i), 0f, 1f));
+    /** A texture coordinate may lack its second number. */
+    private void take(int list, String keyword) throws AssetException {
+        int width = widths[list];
+        int at = width * counts[list];
+        requireRoom(counts[list] + 1);
+        if (at + width > values[list].length) {
+            values[list] = Arrays.copyOf(values[list], grown(at, width));
         }
-        return new Colour(rgba);
+        for (int i = 0; i < width; i++) {
+            values[list][at + i] = list == 1 && i == 1 ? lines.word() ? lines.number() : 0
+                    : lines.number(keyword);
+        }
+        counts[list]++;
     }
 
-    private void add(ObjFace face) throws AssetException {
-        followMaterial(face);
-        mesh.reserve(0, face.getNumVertices() - 2L);
-        int first = vertex(face, 0);
-        int previous = vertex(face, 1);
-        for (int corner = 2; corner < face.getNumVertices(); corner++) {
-            int next = vertex(face, corner);
+    private void takeFace(int material) throws AssetException {
+        int before = cornerCount;
+        int[] corner = new int[3];
+        while (lines.word()) {
+            lines.corner(counts, corner);
+            requireRoom((cornerCount + 1) / 3);
+            if (3 * cornerCount + 3 > corners.length) {
+                corners = Arrays.copyOf(corners, grown(3 * cornerCount, 3));
+            }
+            System.arraycopy(corner, 0, corners, 3 * cornerCount++, 3);
+        }
+        if (cornerCount - before < 3) {
+            cornerCount = before; // a point or a line
+            return;
+        }
+        if (2 * faceCount + 2 > faces.length) {
+            faces = Arrays.copyOf(faces, grown(2 * faceCount, 2));
+        }
+        faces[2 * faceCount] = cornerCount - before;
+        faces[2 * faceCount++ + 1] = material;
+    }
+
+    private int materialNumber(String name) throws AssetException {
+        Integer number = materialNumbers.get(name);
+        if (number == null) {
+            number = materialNames.size();
+            if (number >= MAX_MATERIALS) {
+                throw sources.refuse("more than " + MAX_MATERIALS + " materials");
+            }
+            materialNumbers.put(name, number);
+            materialNames.add(name);
+        }
+        return number;
+    }
+
+    private void requireRoom(int count) throws AssetException {
+        if (count > Mesh.MAX_COUNT) {
+            throw sources.refuse("more than " + Mesh.MAX_COUNT + " vertices or triangles; simplify "
+                    + "the mesh");
+        }
+    }
+
+    private static int grown(int length, int width) {
+        return Math.max(1024 * width, length + length / 2 / width * width);
+    }
+
+    private void add(int firstCorner, int count, Material material) throws AssetException {
+        mesh.reserve(0, count - 2L);
+        int first = vertex(firstCorner);
+        int previous = vertex(firstCorner + 1);
+        for (int corner = firstCorner + 2; corner < firstCorner + count; corner++) {
+            int next = vertex(corner);
             mesh.triangle(first, previous, next, material);
             previous = next;
         }
     }
 
-    /** The library names a material at the first face only that is in it. */
-    private void followMaterial(ObjFace face) {
-        @Nullable String name = obj.getActivatedMaterialGroupName(face);
-        if (name != null) {
-            material = materials.getOrDefault(name, Material.DEFAULT);
+    /** The mesh's vertex for a corner: the same one for all that have the same three numbers. */
+    private int vertex(int corner) throws AssetException {
+        int at = 3 * corner;
+        if (4 * vertexCount >= 3 * slots.length) {
+            rehash();
         }
-    }
-
-    private int vertex(ObjFace face, int at) throws AssetException {
-        var corner = new Corner(
-                index(face.getVertexIndex(at), obj.getNumVertices(), "vertex"),
-                face.containsTexCoordIndices()
-                        ? index(face.getTexCoordIndex(at), obj.getNumTexCoords(), "vt") : -1,
-                face.containsNormalIndices()
-                        ? index(face.getNormalIndex(at), obj.getNumNormals(), "vn") : -1);
-        Integer known = vertices.get(corner);
-        if (known != null) {
-            return known;
+        int slot = slot(corners, at);
+        if (slots[slot] > 0) {
+            return slots[slot] - 1;
         }
         mesh.reserve(1, 0);
-        FloatTuple position = obj.getVertex(corner.position);
-        int added = mesh.vertex(position.getX(), position.getY(), position.getZ());
-        if (corner.coordinates >= 0) {
-            FloatTuple uv = obj.getTexCoord(corner.coordinates);
-            mesh.coordinates(uv.getX(), 1 - (uv.getDimensions() > 1 ? uv.getY() : 0));
+        int position = place(at, 0);
+        int added = mesh.vertex(values[0][position], values[0][position + 1],
+                values[0][position + 2]);
+        if (corners[at + 1] >= 0) {
+            int coordinates = place(at, 1);
+            mesh.coordinates(values[1][coordinates], 1 - values[1][coordinates + 1]);
         }
-        if (corner.normal >= 0) {
-            FloatTuple normal = obj.getNormal(corner.normal);
-            mesh.normal(normal.getX(), normal.getY(), normal.getZ());
+        if (corners[at + 2] >= 0) {
+            int normal = place(at, 2);
+            mesh.normal(values[2][normal], values[2][normal + 1], values[2][normal + 2]);
         }
-        vertices.put(corner, added);
+        if (3 * added + 3 > known.length) {
+            known = Arrays.copyOf(known, grown(3 * added, 3));
+        }
+        System.arraycopy(corners, at, known, 3 * added, 3);
+        slots[slot] = added + 1;
+        vertexCount++;
         return added;
     }
 
-    private int index(int index, int count, String what) throws AssetException {
-        if (index < 0 || index >= count) {
-            throw sources.refuse("a face refers to " + what + " " + (index + 1L) + ", there are "
-                    + count);
+    /** Where a corner's vertex is noted, or would be. */
+    private int slot(int[] from, int at) {
+        int hash = 31 * (31 * from[at] + from[at + 1]) + from[at + 2];
+        int slot = (hash * 0x9e3779b9 >>> 8) & slots.length - 1;
+        while (slots[slot] > 0 && !Arrays.equals(from, at, at + 3,
+                known, 3 * slots[slot] - 3, 3 * slots[slot])) {
+            slot = slot + 1 & slots.length - 1;
         }
-        return index;
+        return slot;
+    }
+
+    private void rehash() {
+        slots = new int[2 * slots.length];
+        for (int vertex = 0; vertex < vertexCount; vertex++) {
+            slots[slot(known, 3 * vertex)] = vertex + 1;
+        }
+    }
+
+    /** Where the numbers of a corner's position, texture coordinates or normal begin. */
+    private int place(int at, int list) throws AssetException {
+        int index = corners[at + list];
+        if (index >= counts[list]) {
+            throw sources.refuse("a face refers to " + NAMES[list] + " " + (index + 1L)
+                    + ", there are " + counts[list]);
+        }
+        return widths[list] * index;
     }
 }

@@ -3,10 +3,10 @@ package reve.core.mesh;
 import java.net.URI;
 import java.net.URISyntaxException;
 import java.nio.ByteBuffer;
+import java.nio.file.Path;
 import java.util.Base64;
 import java.util.HashMap;
 import java.util.Map;
-import java.util.Optional;
 import reve.core.world.Texture;
 
 /** What a mesh file refers to: files beside it and below, or data in itself. */
@@ -14,16 +14,15 @@ final class Sources {
 
     private static final int MAX_BYTES = 64 << 20;
 
-    private final WorldFolder folder;
+    private final AssetFiles files;
     private final String path;
-    private final Budget budget;
-    private final Map<String, Texture> images = new HashMap<>();
+    /** What was read for this mesh, by real path. */
+    private final Map<Path, byte[]> read = new HashMap<>();
 
-    /** @param path of the mesh file, relative to the folder */
-    Sources(WorldFolder folder, String path, Budget budget) {
-        this.folder = folder;
+    /** @param path of the mesh file, relative to the world's folder */
+    Sources(AssetFiles files, String path) {
+        this.files = files;
         this.path = path;
-        this.budget = budget;
     }
 
     /** The mesh file's path, which all messages begin with. */
@@ -32,7 +31,7 @@ final class Sources {
     }
 
     Budget budget() {
-        return budget;
+        return files.budget();
     }
 
     AssetException refuse(String reason) {
@@ -42,7 +41,7 @@ final class Sources {
     /** The bytes behind a URI: base64 data, or a file named relative to the mesh file. */
     ByteBuffer read(String uri) throws AssetException {
         if (!uri.startsWith("data:")) {
-            return ByteBuffer.wrap(folder.read(beside(decode(uri)), MAX_BYTES));
+            return ByteBuffer.wrap(file(decode(uri), MAX_BYTES));
         }
         int comma = uri.indexOf(',');
         if (comma < 0 || !uri.substring(0, comma).endsWith(";base64")) {
@@ -55,21 +54,25 @@ final class Sources {
         }
     }
 
-    /** The image of a file named relative to the mesh file. */
-    Texture image(String name) throws AssetException {
-        String file = beside(name);
-        Texture image = images.get(file);
-        if (image == null) {
-            image = ImageDecoder.decode(folder.read(file, MAX_BYTES), file, Optional.empty(),
-                    budget);
-            images.put(file, image);
-        }
-        return image;
+    /** The image of a file that a URI names. */
+    Texture imageBehind(String uri) throws AssetException {
+        return image(decode(uri));
     }
 
-    /** The bytes of a file named relative to the mesh file. */
+    /** The image of a file named relative to the mesh file. */
+    Texture image(String name) throws AssetException {
+        return files.imageOfMesh(beside(name));
+    }
+
+    /** The bytes of a file named relative to the mesh file, which is read once. */
     byte[] file(String name, int maxBytes) throws AssetException {
-        return folder.read(beside(name), maxBytes);
+        Path real = files.find(beside(name));
+        byte[] bytes = read.get(real);
+        if (bytes == null) {
+            bytes = files.read(beside(name), maxBytes);
+            read.put(real, bytes);
+        }
+        return bytes;
     }
 
     private String beside(String name) {

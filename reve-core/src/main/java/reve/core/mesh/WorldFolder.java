@@ -58,20 +58,40 @@ public final class WorldFolder {
             throw new AssetException(path + ": there is no such file in the world's folder",
                     missing);
         } catch (IOException | InvalidPathException unreadable) {
-            throw new AssetException(path + ": cannot be opened: " + unreadable, unreadable);
+            throw new AssetException(path + ": cannot be opened: " + Reason.ofSystem(unreadable),
+                    unreadable);
         }
     }
 
+    /** The real path of the folder that the last name of a path that was found is in. */
+    Path folderOf(String path) throws AssetException {
+        try {
+            return folder.orElseThrow().toRealPath()
+                    .resolve(path.substring(0, path.lastIndexOf('/') + 1)).toRealPath();
+        } catch (IOException gone) {
+            throw new AssetException(path + ": cannot be opened: " + Reason.ofSystem(gone), gone);
+        }
+    }
+
+    /** Is asked before memory is taken for a file. */
+    interface SizeCheck {
+        void check(long bytes) throws AssetException;
+    }
+
     /** @throws AssetException if there is no such file, or more than {@code maxBytes} in it */
-    byte[] read(String path, int maxBytes) throws AssetException {
-        try (InputStream in = Files.newInputStream(find(path), LinkOption.NOFOLLOW_LINKS)) {
-            byte[] bytes = in.readNBytes(maxBytes + 1);
-            if (bytes.length > maxBytes) {
-                throw new AssetException(path + ": larger than " + (maxBytes >> 20) + " MiB");
+    byte[] read(String path, int maxBytes, SizeCheck check) throws AssetException {
+        Path file = find(path);
+        try (InputStream in = Files.newInputStream(file, LinkOption.NOFOLLOW_LINKS)) {
+            long size = Files.size(file);
+            if (size > maxBytes) {
+                throw new AssetException(path + ": has " + size + " bytes, at most "
+                        + (maxBytes >> 20) + " MiB are read");
             }
-            return bytes;
+            check.check(size);
+            return in.readNBytes((int) size);
         } catch (IOException unreadable) {
-            throw new AssetException(path + ": cannot be read: " + unreadable, unreadable);
+            throw new AssetException(path + ": cannot be read: " + Reason.ofSystem(unreadable),
+                    unreadable);
         }
     }
 
