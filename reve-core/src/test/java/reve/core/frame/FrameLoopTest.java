@@ -50,6 +50,39 @@ class FrameLoopTest {
     }
 
     @Test
+    void whoWatchesSeesThePhaseAndWhetherTheLoopWaitsAsLongAsItMeantTo() {
+        FrameLoop loop = loop(new Timing(60, 1), Pacing.REAL_TIME);
+        List<String> seen = new ArrayList<>();
+        for (FramePhase phase : FramePhase.values()) {
+            bus.subscribe(phase, "watched", event -> {
+                if (event.frame() == 1) {
+                    seen.add(loop.phase() + (loop.isWaiting() ? " waits" : " works"));
+                    assertThat(loop.thread()).isSameAs(Thread.currentThread());
+                }
+            });
+        }
+        clock.onPark = () -> {
+            seen.add(loop.phase() + (loop.isWaiting() ? " waits" : " works"));
+            clock.now += MILLISECOND;
+            seen.add(loop.isWaiting() ? "waits" : "is late");
+        };
+        loop.run(1);
+        assertThat(seen).containsExactly("INTAKE works", "ACT works", "PHYSICS works",
+                "DERIVE works", "PUBLISH works", "null waits", "is late");
+        assertThat(loop.thread()).isNull();
+
+        loop.pause();
+        seen.clear();
+        clock.onPark = () -> {
+            clock.now += 1000 * MILLISECOND;
+            seen.add(loop.isWaiting() ? "waits" : "is late");
+            loop.stop();
+        };
+        loop.run(1);
+        assertThat(seen).as("of a paused world").containsExactly("waits");
+    }
+
+    @Test
     void timeIsAProductOfTheNumberOfFrames() {
         var timing = new Timing(60, 4);
         assertThat(timing.dtSeconds()).isEqualTo(1.0 / 240);
