@@ -181,8 +181,8 @@ final class Turn {
     }
 
     /**
-     * Returns what comes of a missed round. The others are told each round that the world waited for
-     * in vain and the first that a broken connection costs, not those that follow.
+     * Returns what comes of a missed round. The others are told each round that the world waited
+     * for in vain and the first that a broken connection costs, not those that follow.
      */
     AgentInput.Late late() {
         missed++;

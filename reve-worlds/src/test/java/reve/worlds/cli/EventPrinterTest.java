@@ -10,7 +10,7 @@ import org.junit.jupiter.api.Test;
 
 class EventPrinterTest {
     private static final List<String> EVENTS = List.of("ready", "joined", "acted", "rang", "late",
-            "law-loaded", "fault", "left");
+            "away", "back", "law-loaded", "fault", "left");
 
     /** The names of the events that are printed. */
     private static List<String> printed(Printed printed) {
@@ -26,7 +26,8 @@ class EventPrinterTest {
     @Test
     void nothingThatAgentsDoInEveryFrameIsPrintedUnlessAskedFor() {
         assertThat(printed(Printed.NORMAL))
-                .containsExactly("ready", "joined", "late", "law-loaded", "fault", "left");
+                .containsExactly("ready", "joined", "late", "away", "back", "law-loaded", "fault",
+                        "left");
         assertThat(printed(Printed.ACTIONS)).isEqualTo(EVENTS);
     }
 

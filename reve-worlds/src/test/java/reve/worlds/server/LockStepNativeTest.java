@@ -3,13 +3,18 @@ package reve.worlds.server;
 import static org.assertj.core.api.Assertions.assertThat;
 
 import java.io.BufferedReader;
+import java.io.IOException;
 import java.io.InputStreamReader;
+import java.io.UncheckedIOException;
 import java.net.Socket;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
+import java.time.Duration;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.concurrent.CompletableFuture;
+import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicInteger;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -61,6 +66,47 @@ class LockStepNativeTest {
             hash = simulation.physics().stateHash();
         }
         assertThat(late).as("rounds that it was waited for").hasValue(3);
+        assertMadeAgain(log, FRAMES, hash);
+    }
+
+    @Test
+    void whatAnOperatorEditsWhileTheWorldWaitsIsInTheRecordingOfTheNextFrame() throws Exception {
+        WorldDescription description = WorldFile.load(WORLD);
+        Path log = folder.resolve("run.log");
+        long hash;
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                AgentServer server = AgentServer.start(
+                        AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(60)),
+                        List.of(port(description, simulation)));
+                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                        new Journal.Plan(0, true), RunLog.create(log), problem -> {
+                            throw new AssertionError(problem);
+                        });
+                Line ada = new Line(server, "{'t':'hello','protocol':1,'name':'ada','time':"
+                        + "{'mode':'lock-step','deadline':60}}");
+                Line boss = new Line(server,
+                        "{'t':'hello','protocol':1,'name':'boss','role':'control'}")) {
+            boss.await("welcome");
+            ada.say("{'t':'ping'}");
+            ada.await("pong");
+            var operator = CompletableFuture.runAsync(() -> {
+                for (int id = 1; id < FRAMES; id++) {
+                    ada.await("perception");
+                    boss.say("{'t':'edit','id':" + id + ",'item':'blue','property':"
+                            + "'physics.velocity','value':[0," + id + ",0]}");
+                    assertThat(boss.await("result")).contains("\"accepted\":true")
+                            .contains("\"frame\":" + (id + 1));
+                    ada.say("{'t':'ready'}");
+                }
+            });
+            simulation.loop().run(FRAMES);
+            operator.get(60, TimeUnit.SECONDS);
+            hash = simulation.physics().stateHash();
+        }
+        assertMadeAgain(log, FRAMES, hash);
+    }
+
+    private static void assertMadeAgain(Path log, long frames, long hash) throws Exception {
         try (Replay replay = new Replay(Optional.empty(), Pacing.FAST);
                 RunLog.Reader records = RunLog.open(log)) {
             while (records.hasNext() && replay.take(records.next())) {
@@ -68,7 +114,7 @@ class LockStepNativeTest {
             }
             assertThat(replay.divergence()).isEmpty();
             try (Simulation again = replay.release()) {
-                assertThat(again.loop().frame()).isEqualTo(FRAMES);
+                assertThat(again.loop().frame()).isEqualTo(frames);
                 assertThat(again.physics().stateHash()).isEqualTo(hash);
             }
         }
@@ -78,5 +124,45 @@ class LockStepNativeTest {
         return new WorldPort(description.name(), description.timing().framesPerSecond(),
                 description.agents(), simulation.bus(), simulation.commands(),
                 simulation.snapshots(), simulation.loop(), WorldControl.none(), Cameras.none());
+    }
+
+    /** One client's connection. */
+    private static final class Line implements AutoCloseable {
+        private final Socket socket;
+        private final BufferedReader in;
+
+        Line(AgentServer server, String hello) throws IOException {
+            socket = new Socket(server.address().getAddress(), server.address().getPort());
+            in = new BufferedReader(new InputStreamReader(socket.getInputStream(),
+                    StandardCharsets.UTF_8));
+            say(hello);
+        }
+
+        void say(String line) {
+            try {
+                socket.getOutputStream().write(
+                        (line.replace('\'', '"') + "\n").getBytes(StandardCharsets.UTF_8));
+            } catch (IOException e) {
+                throw new UncheckedIOException(e);
+            }
+        }
+
+        /** The next message of that type. */
+        String await(String type) {
+            try {
+                String line = in.readLine();
+                while (!line.contains("\"t\":\"" + type + "\"")) {
+                    line = in.readLine();
+                }
+                return line;
+            } catch (IOException e) {
+                throw new UncheckedIOException(e);
+            }
+        }
+
+        @Override
+        public void close() throws IOException {
+            socket.close();
+        }
     }
 }
