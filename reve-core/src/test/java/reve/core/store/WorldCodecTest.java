@@ -4,6 +4,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import java.lang.foreign.ValueLayout;
+import java.nio.charset.StandardCharsets;
 import java.util.ArrayList;
 import java.util.HexFormat;
 import java.util.LinkedHashMap;
@@ -66,6 +67,25 @@ class WorldCodecTest {
             assertThat(everything(other)).isEqualTo(everything(world));
             assertThat(other.items().stream().map(Item::children).toList().toString())
                     .isEqualTo(world.items().stream().map(Item::children).toList().toString());
+        }
+    }
+
+    @Test
+    void anImageThatNamesNoMakersIsRead() {
+        World world = empty();
+        world.add(ItemDefinition.named("old").build());
+        World other = empty();
+        try (WorldImage image = new WorldImage(world); WorldImage back = new WorldImage(other)) {
+            image.copyFrom(world, 1);
+            Map<String, byte[]> sections = new LinkedHashMap<>(
+                    new WorldImageCodec(PROTOTYPE, NONE).write(image));
+            String items = new String(sections.get("items"), StandardCharsets.UTF_8);
+            assertThat(items).contains("\"made\":{}");
+            sections.put("items", items.replace("\"made\":{}", "\"none\":{}")
+                    .getBytes(StandardCharsets.UTF_8));
+            new WorldImageCodec(PROTOTYPE, NONE).read(sections, back);
+            other.restore(back);
+            assertThat(everything(other)).isEqualTo(everything(world));
         }
     }
 

@@ -27,7 +27,9 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.worlds.journal.Journal;
+import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.RunLog;
+import reve.worlds.journal.SqliteStore;
 
 /** What deadlines decide, in a recording. */
 class LockStepNativeTest {
@@ -77,7 +79,7 @@ class LockStepNativeTest {
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
                 AgentServer server = AgentServer.start(
                         AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(60)),
-                        List.of(port(description, simulation)));
+                        List.of(port(description, simulation)), (source, problem) -> { });
                 Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
                         new Journal.Plan(0, true), RunLog.create(log), problem -> {
                             throw new AssertionError(problem);
@@ -104,6 +106,33 @@ class LockStepNativeTest {
             hash = simulation.physics().stateHash();
         }
         assertMadeAgain(log, FRAMES, hash);
+    }
+
+    @Test
+    void whatWasEditedAfterTheLastFrameIsKeptByARegularEnd() throws Exception {
+        WorldDescription description = WorldFile.load(WORLD);
+        Path file = folder.resolve("world.db");
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                SqliteStore store = new SqliteStore(file, SqliteStore.Durability.NORMAL);
+                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                        new Journal.Plan(1000, true), store, problem -> {
+                            throw new AssertionError(problem);
+                        })) {
+            simulation.loop().run(0);
+            simulation.world().find("blue").orElseThrow().physics().set("velocity", 0, 7, 0);
+        }
+        try (SqliteStore store = new SqliteStore(file, SqliteStore.Durability.NORMAL);
+                Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
+            for (JournalRecord record : store.read(problem -> {
+                throw new AssertionError(problem);
+            })) {
+                assertThat(replay.take(record)).isTrue();
+            }
+            try (Simulation again = replay.release()) {
+                assertThat(again.world().find("blue").orElseThrow().physics()
+                        .vector("velocity")).containsExactly(0, 7, 0);
+            }
+        }
     }
 
     private static void assertMadeAgain(Path log, long frames, long hash) throws Exception {
