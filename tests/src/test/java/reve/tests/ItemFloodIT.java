@@ -70,7 +70,7 @@ class ItemFloodIT {
         try (Server server = serve(store);
                 AgentClient evil = join(server, "evil")) {
             assertThat(work(server)).as("processor time to resume")
-                    .isLessThan(Duration.ofSeconds(10));
+                    .isLessThan(Duration.ofSeconds(20));
             assertThat(evil.welcome().limits().items()).isEqualTo(AgentPolicy.DEFAULT_ITEMS);
             ActResult strike = evil.act("iron", "strike", Map.of("strength", 0));
             assertThat(strike.code()).as("counted in a store").contains("too-many-items");
