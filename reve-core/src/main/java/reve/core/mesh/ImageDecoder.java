@@ -96,15 +96,10 @@ final class ImageDecoder {
         byte[] pixels = new byte[4 * width * height];
         // To Java, grey is linear light; in image files it is sRGB like all else.
         boolean grey = image.getColorModel().getColorSpace().getType() == ColorSpace.TYPE_GRAY;
-        boolean deep = image.getRaster().getDataBuffer().getDataType() == DataBuffer.TYPE_USHORT
-                && image.getRaster().getNumBands() >= 3;
         int[] row = new int[width];
-        int[] samples = new int[deep ? width * image.getRaster().getNumBands() : 0];
         for (int y = 0; y < height; y++) {
             if (grey) {
                 greyRow(image.getRaster(), y, row);
-            } else if (deep) {
-                deepRow(image.getRaster(), y, row, samples);
             } else {
                 image.getRGB(0, y, width, 1, row, 0, width);
             }
@@ -116,20 +111,6 @@ final class ImageDecoder {
             }
         }
         return pixels;
-    }
-
-    /** Of 16 bits a channel, for which the JDK's own way takes a microsecond a pixel. */
-    private static void deepRow(Raster raster, int y, int[] row, int[] samples) {
-        raster.getPixels(0, y, row.length, 1, samples);
-        int bands = raster.getNumBands();
-        for (int x = 0; x < row.length; x++) {
-            row[x] = eightBits(samples[x * bands]) << 16 | eightBits(samples[x * bands + 1]) << 8
-                    | eightBits(samples[x * bands + 2]);
-        }
-    }
-
-    private static int eightBits(int sixteen) {
-        return (sixteen * 255 + 32767) / 65535;
     }
 
     private static void greyRow(Raster raster, int y, int[] row) {

@@ -44,7 +44,8 @@ class HostileAssetsTest {
     private static void addValues(Map<String, byte[]> corpus) {
         String json = Gltf.triangle().json("", SCENE);
         for (String right : new String[] {"\"count\": 3", "\"byteOffset\": 0",
-            "\"byteLength\": 36}]", "\"bufferView\": 0", "\"componentType\": 5126", "\"type\": \"VEC3\"", "\"buffer\": 0",
+            "\"byteLength\": 36}]", "\"bufferView\": 0", "\"componentType\": 5126",
+            "\"type\": \"VEC3\"", "\"buffer\": 0",
             "\"POSITION\": 0", "\"mesh\": 0", "\"nodes\": [0]"}) {
             assertThat(json).contains(right);
             String key = right.substring(0, right.indexOf(':'));
