@@ -20,6 +20,7 @@ import reve.worlds.cli.ReplayCommand;
 import reve.worlds.cli.RunCommand;
 import reve.worlds.cli.ServeCommand;
 import reve.worlds.cli.SnapshotCommand;
+import reve.worlds.cli.StoreCommand;
 import reve.worlds.cli.TokenCommand;
 
 /**
@@ -42,6 +43,7 @@ import reve.worlds.cli.TokenCommand;
             DemoCommand.class,
             ControlCommand.class,
             TokenCommand.class,
+            StoreCommand.class,
         },
         footer = {
             "",

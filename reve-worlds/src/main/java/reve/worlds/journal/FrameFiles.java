@@ -3,28 +3,37 @@ package reve.worlds.journal;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.security.SecureRandom;
 import java.util.TreeMap;
-import java.util.function.Consumer;
 import java.util.stream.Stream;
 import org.jspecify.annotations.Nullable;
-import reve.core.store.CorruptException;
 
 /**
- * The files beside a store that hold its frames, STORE-frames-1 and so on: with each image a new
- * one begins, and those before the oldest image are removed.
+ * Writes the files beside a store that hold its frames, STORE-frames-1 and so on, and the manifest
+ * that says how far they reach. With each image another file begins, which names the one before
+ * it; those before the oldest image are removed.
  */
 final class FrameFiles {
+    private static final SecureRandom IDS = new SecureRandom();
+
     private final Path store;
-    private final String prefix;
+    private Manifest.Claim claim;
     private long number;
+    private long id;
+    private volatile @Nullable Manifest manifest;
     private volatile RunLog.@Nullable Writer current;
 
-    /** @param number of a file that is to be behind all there are, at least */
-    FrameFiles(Path store, long number) throws IOException {
+    /**
+     * Nothing is written before {@link #next}.
+     *
+     * @param claim what the manifest says, or is to say
+     * @param number of the newest file there is, and its id; 0 without any
+     */
+    FrameFiles(Path store, Manifest.Claim claim, long number, long id) {
         this.store = store.toAbsolutePath();
-        prefix = store.getFileName() + "-frames-";
-        TreeMap<Long, Path> present = present();
-        this.number = present.isEmpty() ? number : Math.max(number, present.lastKey());
+        this.claim = claim;
+        this.number = number;
+        this.id = id;
     }
 
     /** A file that later frames do not go to any more. */
@@ -45,21 +54,44 @@ final class FrameFiles {
         return number;
     }
 
-    /** Begins another file, when the next record is written. Gives the one before it. */
-    Finished next() {
-        Finished finished = new Finished(current);
-        current = null;
+    /** Begins another file, and gives the one before it. */
+    Finished next() throws IOException {
+        Manifest listed = manifest();
+        long nextId = IDS.nextLong();
+        RunLog.Writer next = new RunLog.Writer(path(store, number + 1),
+                new RunLog.Link(claim.store(), number + 1, nextId, id));
+        try {
+            listed.begin(number + 1, nextId);
+        } catch (IOException e) {
+            next.close();
+            throw e;
+        }
         number++;
+        id = nextId;
+        Finished finished = new Finished(current);
+        current = next;
         return finished;
     }
 
+    /** Adds a record to the newest file. */
     void write(JournalRecord record) throws IOException {
         RunLog.Writer file = current;
-        if (file == null) {
-            file = new RunLog.Writer(path(number), Long.MAX_VALUE);
-            current = file;
+        Manifest listed = manifest;
+        if (file == null || listed == null) {
+            throw new IllegalStateException("a frame before the first image");
         }
         file.write(record);
+        if (record instanceof JournalRecord.Frame frame) {
+            listed.reach(frame.frame());
+        }
+    }
+
+    /** An image is in the database. Any thread, after the first {@link #next}. */
+    void keep(long image, long frame, long sum) throws IOException {
+        Manifest listed = manifest;
+        if (listed != null) {
+            listed.keep(image, frame, sum);
+        }
     }
 
     /** Waits until the current file outlives a power failure. Any thread but that closes files. */
@@ -70,45 +102,49 @@ final class FrameFiles {
         }
     }
 
-    /**
-     * Hands over the records of the files from one number on, up to the first that is damaged.
-     *
-     * @param problems told of damage
-     */
-    void read(long from, Consumer<JournalRecord> into, Consumer<String> problems)
-            throws IOException {
-        for (Path file : present().tailMap(from).values()) {
-            if (Files.size(file) < RunLog.EMPTY_BYTES) {
-                continue; // the process ended as it began this one
-            }
-            try (RunLog.Reader records = RunLog.open(file)) {
-                records.forEachRemaining(into);
-            } catch (CorruptException e) {
-                problems.accept(e.getMessage() + "; the world resumes before that");
-                return;
-            }
+    /** Ends the newest file and the manifest. */
+    void close() throws IOException {
+        try (Manifest _ = manifest; Finished _ = new Finished(current)) {
+            current = null;
+            manifest = null;
         }
     }
 
     /** Removes the files before a number. */
     void dropBefore(long kept) throws IOException {
-        for (Path file : present().headMap(kept).values()) {
+        for (Path file : present(store).headMap(kept).values()) {
             Files.deleteIfExists(file);
         }
     }
 
-    private Path path(long which) {
-        return store.resolveSibling(prefix + which);
+    /** Made again if it was removed. */
+    private Manifest manifest() throws IOException {
+        Manifest now = manifest;
+        if (now == null || !now.isThere()) {
+            if (now != null) {
+                claim = now.claim();
+                now.close();
+            }
+            now = new Manifest(store, claim);
+            manifest = now;
+        }
+        return now;
     }
 
-    private TreeMap<Long, Path> present() throws IOException {
+    static Path path(Path store, long which) {
+        return store.resolveSibling(store.getFileName() + "-frames-" + which);
+    }
+
+    /** Files of frames by number. */
+    static TreeMap<Long, Path> present(Path store) throws IOException {
+        String prefix = store.getFileName() + "-frames-";
         var files = new TreeMap<Long, Path>();
-        try (Stream<Path> siblings = Files.list(store.getParent())) {
+        try (Stream<Path> siblings = Files.list(store.toAbsolutePath().getParent())) {
             siblings.forEach(file -> {
                 String name = file.getFileName().toString();
                 String digits = name.startsWith(prefix) ? name.substring(prefix.length()) : "";
                 if (digits.matches("[1-9][0-9]{0,17}")) {
-                    files.put(Long.parseLong(digits), file);
+                    files.put(Long.parseLong(digits), store.resolveSibling(name));
                 }
             });
         }

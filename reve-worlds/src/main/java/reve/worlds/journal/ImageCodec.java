@@ -129,7 +129,8 @@ public final class ImageCodec {
         String sha256 = Trees.text(tree, "sha256");
         byte[] bytes = libraries.apply(sha256);
         if (bytes == null) {
-            throw new CorruptException("the law library " + name + " (" + sha256 + ") is missing");
+            throw new CorruptException("the law library " + name + " (SHA-256 " + sha256
+                    + ") is missing or damaged");
         }
         Map<String, Double> parameters = new LinkedHashMap<>();
         Trees.field(tree, "parameters").properties()

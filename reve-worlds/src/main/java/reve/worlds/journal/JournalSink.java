@@ -15,8 +15,10 @@ public interface JournalSink extends AutoCloseable {
 
     /**
      * A place for an image of the frame that was written last, before all that is written later.
+     *
+     * @throws IOException naming the file, if there can be none
      */
-    Place place();
+    Place place() throws IOException;
 
     /**
      * Waits until what was written outlives a power failure too, if the sink was made for that. Any

@@ -183,7 +183,7 @@ final class JournalWriter {
     }
 
     /** The frames go on meanwhile, unless they have nothing else to begin with. */
-    private void keepImage(Entry entry, SimulationImage image) {
+    private void keepImage(Entry entry, SimulationImage image) throws IOException {
         Map<String, Long> members = entry.members;
         int tries = entry.last ? LAST_IMAGE_TRIES : 1;
         String otherwise = begun && !entry.begins

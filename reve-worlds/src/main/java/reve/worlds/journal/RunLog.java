@@ -9,10 +9,7 @@ import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
 import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
-import java.nio.file.AccessDeniedException;
-import java.nio.file.FileSystemException;
 import java.nio.file.Files;
-import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.util.Arrays;
@@ -20,7 +17,9 @@ import java.util.HashSet;
 import java.util.HexFormat;
 import java.util.Iterator;
 import java.util.NoSuchElementException;
+import java.util.Optional;
 import java.util.Set;
+import java.util.UUID;
 import java.util.zip.CRC32C;
 import org.jspecify.annotations.Nullable;
 import reve.core.store.CorruptException;
@@ -38,11 +37,37 @@ public final class RunLog {
     private static final int HEAD_BYTES = Integer.BYTES + 1 + Long.BYTES;
     private static final int SUM_BYTES = Integer.BYTES;
     private static final int SHA_BYTES = 32;
+    /** Size of a file of frames of a store without any frame [bytes]. */
+    static final int LINKED_BYTES = EMPTY_BYTES + HEAD_BYTES + 2 * SUM_BYTES + Link.BYTES;
     /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
     private static final int TYPE_BITS = 0170000;
     private static final int PIPE = 0010000;
 
     private RunLog() {}
+
+    /**
+     * The record that a file of frames of a store begins with; recordings have none.
+     *
+     * @param store identity of the store
+     * @param number of the file
+     * @param id of the file
+     * @param before id of the file before it, 0 if there is none that has an id
+     */
+    record Link(UUID store, long number, long id, long before) {
+        private static final int BYTES = 4 * Long.BYTES;
+
+        private ByteBuffer encoded() {
+            return RunLog.encoded('S', number, ByteBuffer.allocate(BYTES)
+                    .putLong(store.getMostSignificantBits())
+                    .putLong(store.getLeastSignificantBits()).putLong(id).putLong(before).array());
+        }
+
+        private static Link decoded(long number, byte[] content) {
+            ByteBuffer bytes = ByteBuffer.wrap(content);
+            return new Link(new UUID(bytes.getLong(), bytes.getLong()), number, bytes.getLong(),
+                    bytes.getLong());
+        }
+    }
 
     /** Begins a recording in place of what the file held. */
     public static JournalSink create(Path file) throws IOException {
@@ -71,7 +96,18 @@ public final class RunLog {
         private final Set<String> libraries = new HashSet<>();
         private boolean full;
 
+        /** A recording. */
         Writer(Path file, long maxBytes) throws IOException {
+            this(file, maxBytes, ByteBuffer.wrap(MARK));
+        }
+
+        /** A file of frames of a store. */
+        Writer(Path file, Link link) throws IOException {
+            this(file, Long.MAX_VALUE, ByteBuffer.allocate(LINKED_BYTES).put(MARK)
+                    .put(link.encoded()).flip());
+        }
+
+        private Writer(Path file, long maxBytes, ByteBuffer start) throws IOException {
             this.file = file;
             this.maxBytes = maxBytes;
             refusePipe(file);
@@ -82,7 +118,7 @@ public final class RunLog {
                 throw failed(e);
             }
             try {
-                add(ByteBuffer.wrap(MARK));
+                add(start);
             } catch (IOException e) {
                 channel.close();
                 throw e;
@@ -170,18 +206,7 @@ public final class RunLog {
         }
 
         private IOException failed(IOException e) {
-            String reason = switch (e) {
-                case NoSuchFileException gone -> noPlace(file.toAbsolutePath().getParent());
-                case AccessDeniedException denied -> "permission denied";
-                case FileSystemException other when other.getReason() != null -> other.getReason();
-                default -> e.getMessage();
-            };
-            return new IOException(file + " could not be written: " + reason, e);
-        }
-
-        private static String noPlace(Path folder) {
-            return Files.isDirectory(folder) ? "the folder " + folder + " takes no such file"
-                    : "there is no folder " + folder;
+            return FileTrouble.of(file, "written", e);
         }
     }
 
@@ -209,6 +234,7 @@ public final class RunLog {
         private final long size;
         private long at = MARK.length;
         private boolean cut;
+        private @Nullable Link link;
         private @Nullable JournalRecord next;
         private @Nullable CorruptException damage;
 
@@ -239,6 +265,11 @@ public final class RunLog {
             } catch (CorruptException e) {
                 damage = e;
             }
+        }
+
+        /** Of the store that the file belongs to; empty for a recording. */
+        Optional<Link> link() {
+            return Optional.ofNullable(link);
         }
 
         /** Whether the file ends in the middle of a record; known at the end. */
@@ -295,7 +326,14 @@ public final class RunLog {
             if (nextSum() != checksum(content, 0, length)) {
                 throw damaged();
             }
-            JournalRecord record = decoded((char) head.get(), head.getLong(), content);
+            char letter = (char) head.get();
+            long frame = head.getLong();
+            if (letter == 'S' && at == MARK.length && length == Link.BYTES) {
+                link = Link.decoded(frame, content);
+                at = LINKED_BYTES;
+                return read();
+            }
+            JournalRecord record = decoded(letter, frame, content);
             at += HEAD_BYTES + length + 2 * SUM_BYTES;
             return record;
         }

@@ -1,16 +1,14 @@
 package reve.worlds.server;
 
-import java.security.MessageDigest;
-import java.security.NoSuchAlgorithmException;
 import java.util.ArrayList;
 import java.util.HashMap;
-import java.util.HexFormat;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
 import java.util.function.Consumer;
+import java.util.function.Function;
 import org.jspecify.annotations.Nullable;
 import reve.core.file.WorldDescription;
 import reve.core.frame.FrameEvent;
@@ -40,6 +38,7 @@ public final class Replay implements AutoCloseable {
     private final Pacing pacing;
     private final LawPath laws;
     private final Map<String, byte[]> libraries = new HashMap<>();
+    private final Function<String, byte @Nullable []> elsewhere;
     private final List<Subscription> subscriptions = new ArrayList<>();
     private final List<LawChange> lawChanges = new ArrayList<>();
     private final Consumer<LawChange> lawListener = lawChanges::add;
@@ -84,9 +83,20 @@ public final class Replay implements AutoCloseable {
      * @param laws says which of the journal's law libraries may be opened
      */
     public Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws) {
+        this(description, pacing, laws, sha256 -> null);
+    }
+
+    /**
+     * As the other one.
+     *
+     * @param elsewhere the bytes of law libraries by SHA-256 that the journal has damaged
+     */
+    Replay(Optional<WorldDescription> description, Pacing pacing, LawPath laws,
+            Function<String, byte @Nullable []> elsewhere) {
         this.wanted = description;
         this.pacing = pacing;
         this.laws = laws;
+        this.elsewhere = elsewhere;
     }
 
     /**
@@ -163,11 +173,14 @@ public final class Replay implements AutoCloseable {
         }
     }
 
+    /** By what its bytes are: one that is damaged is missed when it is needed. */
     private void keep(JournalRecord.Library library) {
-        if (!sha256(library.bytes()).equals(library.sha256())) {
-            throw new CorruptException("the law library " + library.sha256() + " is damaged");
-        }
-        libraries.put(library.sha256(), library.bytes());
+        libraries.put(LawFiles.sha256(library.bytes()), library.bytes());
+    }
+
+    private byte @Nullable [] library(String sha256) {
+        byte[] bytes = libraries.get(sha256);
+        return bytes == null ? elsewhere.apply(sha256) : bytes;
     }
 
     private void begin(JournalRecord.Image record) {
@@ -175,7 +188,7 @@ public final class Replay implements AutoCloseable {
         if (images == null) {
             images = new ImageCodec(stored.header());
         }
-        try (SimulationImage image = images.read(stored, libraries::get)) {
+        try (SimulationImage image = images.read(stored, this::library)) {
             image.physics().libraries().forEach(laws::requireKnown);
             if (simulation == null) {
                 begin(stored.header(), image);
@@ -264,7 +277,7 @@ public final class Replay implements AutoCloseable {
             if (input().has("before")) {
                 compare(input(), "before");
             }
-            for (LawChange change : FrameCodec.laws(input(), libraries::get)) {
+            for (LawChange change : FrameCodec.laws(input(), this::library)) {
                 if (change instanceof LawChange.Loaded loaded) {
                     laws.requireKnown(loaded.library());
                 }
@@ -346,13 +359,5 @@ public final class Replay implements AutoCloseable {
 
     private String name(ItemId id) {
         return made().world().item(id).name();
-    }
-
-    private static String sha256(byte[] bytes) {
-        try {
-            return HexFormat.of().formatHex(MessageDigest.getInstance("SHA-256").digest(bytes));
-        } catch (NoSuchAlgorithmException e) {
-            throw new AssertionError("every Java platform has SHA-256", e);
-        }
     }
 }

@@ -3,7 +3,6 @@ package reve.worlds.server;
 import java.io.IOException;
 import java.nio.file.Path;
 import java.util.LinkedHashMap;
-import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.function.Consumer;
@@ -15,8 +14,8 @@ import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.pe.PhysicsException;
-import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreContents;
 
 /**
  * A world as its store has it last, or a new one if the store is empty. The caller closes the
@@ -28,58 +27,51 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
 
     /**
      * @param laws where the world's laws are found, and which of the store's may be opened
-     * @param problems told of what is damaged and was passed over
+     * @param problems told of what is damaged and costs nothing
      * @throws IOException if the store cannot be opened or read
      * @throws PhysicsException if a law of the store may not be opened, or does not load
-     * @throws CorruptException if it is no store, or of another world, or no image can be read
+     * @throws CorruptException if it is no store, or of another world, or not whole
      */
     static StoredWorld open(Path file, SqliteStore.Durability durability,
             WorldDescription description, Pacing pacing, LawPath laws, Consumer<String> problems)
             throws IOException {
-        SqliteStore store = new SqliteStore(file, durability);
+        StoreContents contents = StoreContents.read(file);
+        contents.requireWhole();
+        if (contents.isEmpty()) {
+            Simulation begun = new Simulation(description, pacing, laws);
+            return kept(begun, contents, durability, begun.physics().stateHash());
+        }
+        contents.problems().forEach(problem -> problems.accept(problem + "; nothing is lost"));
+        LawFiles found = new LawFiles(laws, problem -> problems.accept(file + ": " + problem));
+        try (Replay replay = new Replay(Optional.of(description), pacing, laws, found::find)) {
+            make(replay, contents);
+            Simulation resumed = replay.release();
+            StoredWorld world = kept(resumed, contents, durability,
+                    resumed.physics().stateHash());
+            replay.members().forEach((agent, body) -> leave(resumed, agent, body));
+            return world;
+        }
+    }
+
+    private static StoredWorld kept(Simulation simulation, StoreContents contents,
+            SqliteStore.Durability durability, long stateHash) throws IOException {
         try {
-            if (store.isEmpty()) {
-                Simulation begun = new Simulation(description, pacing, laws);
-                return new StoredWorld(begun, store, begun.physics().stateHash());
-            }
-            return resume(store, file, description, pacing, laws, problems);
+            return new StoredWorld(simulation, new SqliteStore(contents, durability), stateHash);
         } catch (IOException | RuntimeException e) {
-            store.close();
+            simulation.close();
             throw e;
         }
     }
 
-    private static StoredWorld resume(SqliteStore store, Path file,
-            WorldDescription description, Pacing pacing, LawPath laws, Consumer<String> problems)
-            throws IOException {
-        List<JournalRecord> records = store.read(problems);
-        try (Replay replay = new Replay(Optional.of(description), pacing, laws)) {
-            boolean begun = false;
-            for (JournalRecord record : records) {
-                try {
-                    if (!replay.take(record)) {
-                        problems.accept(file + ": " + replay.divergence().orElseThrow().message()
-                                + " from what was journalled; the world goes on as it is now");
-                        break;
-                    }
-                } catch (PhysicsException refused) {
-                    throw new PhysicsException(refused.status(),
-                            file + ": " + refused.getMessage());
-                } catch (CorruptException e) {
-                    if (!begun) {
-                        throw new CorruptException(file + ": " + e.getMessage());
-                    }
-                    problems.accept(file + ": " + e.getMessage()
-                            + "; the world goes on from before that");
-                    break;
-                }
-                begun |= record instanceof JournalRecord.Image;
-            }
-            Simulation resumed = replay.release();
-            long stateHash = resumed.physics().stateHash();
-            replay.members().forEach((agent, body) -> leave(resumed, agent, body));
-            return new StoredWorld(resumed, store, stateHash);
+    /** Makes all frames of a store, or refuses it before anything of it is changed. */
+    private static void make(Replay replay, StoreContents contents) {
+        Optional<StoreCheck.End> end = StoreCheck.make(replay, contents);
+        if (end.isPresent() && replay.frame() < 0) {
+            throw new CorruptException(contents.file() + ": " + end.get().reason());
         }
+        end.ifPresent(early -> {
+            throw contents.refusal(early.reason(), early.frame());
+        });
     }
 
     /** The agents' connections ended with the process that had them. */

@@ -7,18 +7,17 @@ import java.io.IOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
-import java.util.ArrayList;
-import java.util.Arrays;
-import java.util.List;
+import java.util.UUID;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
 class FrameFilesTest {
+    private static final UUID ID = UUID.randomUUID();
+
     @TempDir
     private Path folder;
     private Path store;
-    private final List<String> problems = new ArrayList<>();
 
     @BeforeEach
     void name() {
@@ -26,99 +25,78 @@ class FrameFilesTest {
     }
 
     @Test
-    void framesAreReadFromOneFileOn() throws IOException {
+    void eachFileNamesTheStoreAndTheFileBeforeIt() throws IOException {
         fill();
-        assertThat(read(1)).containsExactly(1L, 2L, 3L, 4L, 5L, 6L);
-        assertThat(read(2)).containsExactly(3L, 4L, 5L, 6L);
-        assertThat(read(4)).isEmpty();
+        RunLog.Link second = link(2);
+        RunLog.Link third = link(3);
+        assertThat(second.store()).isEqualTo(ID);
+        assertThat(third.number()).isEqualTo(3);
+        assertThat(third.before()).isEqualTo(second.id()).isNotZero();
+        assertThat(link(1).before()).isZero();
     }
 
     @Test
-    void whatIsWrittenLaterGoesBehindAllThatIsThere() throws IOException {
+    void theManifestClaimsTheNewestFileAndFrame() throws IOException {
         fill();
-        FrameFiles again = new FrameFiles(store, 1);
-        try (FrameFiles.Finished _ = again.next()) {
-            assertThat(again.number()).isEqualTo(4);
-        }
+        Manifest.Claim claim = Manifest.read(store).orElseThrow();
+        assertThat(claim.store()).isEqualTo(ID);
+        assertThat(claim.file()).isEqualTo(3);
+        assertThat(claim.fileId()).isEqualTo(link(3).id());
+        assertThat(claim.frame()).isEqualTo(6);
+        assertThat(claim.isOfAnotherBoot()).isFalse();
     }
 
     @Test
     void filesBeforeTheOldestImageAreRemovedAndNothingElse() throws IOException {
         fill();
         Files.writeString(folder.resolve("my.db-frames-old"), "mine");
-        new FrameFiles(store, 0).dropBefore(3);
-        assertThat(read(1)).containsExactly(5L, 6L);
+        files(3).dropBefore(3);
+        assertThat(FrameFiles.present(store)).containsOnlyKeys(3L);
         assertThat(folder.resolve("my.db-frames-old")).exists();
     }
 
-    /** As after a crash, whatever was the last byte that was written. */
     @Test
-    void aFileThatEndsAnywhereIsReadUpToItsLastWholeFrame() throws IOException {
-        fill();
-        Path last = folder.resolve("my.db-frames-3");
-        byte[] whole = Files.readAllBytes(last);
-        int second = (whole.length + RunLog.EMPTY_BYTES) / 2;
-        for (int length = 0; length <= whole.length; length++) {
-            Files.write(last, Arrays.copyOf(whole, length));
-            assertThat(read(3)).as("cut at byte %d", length).containsExactlyElementsOf(
-                    length < second ? List.of() : length < whole.length ? List.of(5L)
-                            : List.of(5L, 6L));
-            assertThat(problems).as("cut at byte %d", length).isEmpty();
-        }
-    }
-
-    /** Every bit in turn: the frames before it are read, and somebody is told. */
-    @Test
-    void aDamagedFrameIsToldAndEndsTheJournal() throws IOException {
-        fill();
-        Path damaged = folder.resolve("my.db-frames-2");
-        byte[] whole = Files.readAllBytes(damaged);
-        int first = RunLog.EMPTY_BYTES;
-        int second = (whole.length + first) / 2;
-        for (int bit = 0; bit < 8 * whole.length; bit++) {
-            byte[] bytes = whole.clone();
-            bytes[bit / 8] ^= (byte) (1 << bit % 8);
-            Files.write(damaged, bytes);
-            problems.clear();
-            assertThat(read(1)).as("bit %d", bit).containsExactlyElementsOf(
-                    bit / 8 < second ? List.of(1L, 2L) : List.of(1L, 2L, 3L));
-            assertThat(problems).as("bit %d", bit).singleElement().asString()
-                    .startsWith(damaged.toString()).contains(bit / 8 < first ? "no recording"
-                            : "at byte " + (bit / 8 < second ? first : second));
-        }
+    void aManifestThatIsRemovedIsMadeAgainWithTheNextFile() throws IOException {
+        FrameFiles files = files(0);
+        files.next().close();
+        files.write(frame(1));
+        Files.delete(Manifest.path(store));
+        files.next().close();
+        files.close();
+        assertThat(Manifest.read(store).orElseThrow().frame()).isEqualTo(1);
     }
 
     @Test
     void whatCannotBeWrittenIsToldByNameAndReason() throws IOException {
-        FrameFiles files = new FrameFiles(store, 0);
         Files.createDirectory(folder.resolve("my.db-frames-1"));
-        try (FrameFiles.Finished _ = files.next()) {
-            assertThatExceptionOfType(IOException.class).isThrownBy(() -> files.write(frame(1)))
-                    .withMessageContaining("my.db-frames-1 could not be written: Is a directory");
-        }
+        assertThatExceptionOfType(IOException.class).isThrownBy(() -> files(0).next())
+                .withMessageContaining("my.db-frames-1 could not be written: Is a directory");
     }
 
     /** Six frames in three files. */
     private void fill() throws IOException {
-        FrameFiles files = new FrameFiles(store, 0);
+        FrameFiles files = files(0);
         for (int frame = 1; frame <= 6; frame++) {
             if (frame % 2 == 1) {
                 files.next().close();
             }
             files.write(frame(frame));
         }
-        files.next().close();
+        files.close();
+    }
+
+    private FrameFiles files(long number) {
+        return new FrameFiles(store, Manifest.Claim.nothing(ID), number, 0);
+    }
+
+    private RunLog.Link link(long number) throws IOException {
+        try (RunLog.Reader reader = RunLog.open(FrameFiles.path(store, number))) {
+            return reader.link().orElseThrow();
+        }
     }
 
     private static JournalRecord.Frame frame(long number) {
         return new JournalRecord.Frame(number,
                 "{\"frame\":%d}".formatted(number).getBytes(StandardCharsets.UTF_8));
-    }
-
-    private List<Long> read(long from) throws IOException {
-        List<Long> frames = new ArrayList<>();
-        new FrameFiles(store, 0).read(from,
-                record -> frames.add(((JournalRecord.Frame) record).frame()), problems::add);
-        return frames;
     }
 }

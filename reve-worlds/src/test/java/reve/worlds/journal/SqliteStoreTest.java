@@ -6,6 +6,7 @@ import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.sql.Connection;
 import java.sql.DriverManager;
 import java.sql.SQLException;
@@ -13,6 +14,7 @@ import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
 import java.util.Random;
+import java.util.UUID;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -22,7 +24,9 @@ import reve.worlds.journal.SqliteStore.Durability;
 class SqliteStoreTest {
     private static final long SEED = 20261121;
     private static final int FLIPS = Integer.getInteger("reve.test.flips", 200);
-    private static final String SHA = "ab".repeat(32);
+    private static final int CUT_STEP = Integer.getInteger("reve.test.cut.step", 7);
+    private static final byte[] LIBRARY = bytes(new Random(SEED), 3000);
+    private static final String SHA = StoreDatabase.sha256(LIBRARY);
 
     @TempDir
     private Path folder;
@@ -37,18 +41,14 @@ class SqliteStoreTest {
     @Test
     void theNewestImageAndTheJournalAfterItComeBack() throws IOException {
         fill();
-        try (SqliteStore store = new SqliteStore(file, Durability.FULL)) {
-            assertThat(store.isEmpty()).isFalse();
-            assertThat(describe(store.read(problems::add)))
-                    .containsExactly("library " + SHA, "image 50", "frame 51", "frame 52");
-            assertThat(problems).isEmpty();
-        }
+        assertThat(read()).containsExactly("library " + SHA, "image 22", "frame 23", "frame 24");
+        assertThat(problems).isEmpty();
     }
 
     @Test
     void threeGenerationsAreKept() throws Exception {
         fill();
-        assertThat(query("SELECT group_concat(frame) FROM image")).isEqualTo("30,40,50");
+        assertThat(query("SELECT group_concat(frame) FROM image")).isEqualTo("16,19,22");
         assertThat(folder).isDirectoryContaining("glob:**/my.db-frames-3")
                 .isDirectoryNotContaining("glob:**/my.db-frames-[12]");
     }
@@ -56,29 +56,172 @@ class SqliteStoreTest {
     @Test
     void aDamagedImageIsToldAndTheOneBeforeItTakenWithAllThatFollowed() throws Exception {
         fill();
-        update("UPDATE image SET bytes = zeroblob(length(bytes)) WHERE frame = 50");
-        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-            assertThat(describe(store.read(problems::add))).containsExactly("library " + SHA,
-                    "image 40", "frame 41", "frame 42", "frame 51", "frame 52");
-            assertThat(problems).singleElement().asString().contains("my.db", "frame 50");
+        update("UPDATE image SET bytes = zeroblob(length(bytes)) WHERE frame = 22");
+        assertThat(read()).containsExactly("library " + SHA, "image 19", "frame 20", "frame 21",
+                "frame 22", "frame 23", "frame 24");
+        assertThat(problems).singleElement().asString().contains("my.db", "frame 22");
+    }
+
+    /** Every byte in turn: what was kept is there, or the store says what is lost. */
+    @Test
+    void aFileOfFramesThatIsCutAnywhereIsRefusedByTheFrameThatIsLost() throws IOException {
+        fill();
+        Path last = folder.resolve("my.db-frames-5");
+        byte[] whole = Files.readAllBytes(last);
+        for (int length = whole.length - 1; length >= 0; length -= CUT_STEP) {
+            Files.write(last, Arrays.copyOf(whole, length));
+            refused("my.db-frames-5");
+            refused("could go on from frame 2");
+            assertThat(Files.size(last)).isEqualTo(length);
+        }
+        Files.write(last, whole);
+        assertThat(read()).contains("frame 24");
+    }
+
+    /** The manifest is written after the frame: what is torn was never announced. */
+    @Test
+    void anUnfinishedLastRecordIsLostInSilence() throws IOException {
+        fill();
+        Path last = folder.resolve("my.db-frames-5");
+        byte[] whole = Files.readAllBytes(last);
+        for (int more = 1; more < 60; more++) {
+            byte[] torn = Arrays.copyOf(whole, whole.length + more);
+            System.arraycopy(whole, RunLog.LINKED_BYTES, torn, whole.length, more);
+            Files.write(last, torn);
+            assertThat(read()).endsWith("frame 24");
+            assertThat(problems).isEmpty();
         }
     }
 
     @Test
-    void aDamagedFrameIsToldAndEndsTheJournal() throws Exception {
+    void noFlippedBitInAFileBesideIsReadInSilence() throws IOException {
+        fill();
+        List<String> expected = read();
+        for (String name : List.of("my.db-frames-5", "my.db-frames-4", "my.db-manifest")) {
+            Path damaged = folder.resolve(name);
+            byte[] whole = Files.readAllBytes(damaged);
+            for (int bit = 0; bit < 8 * whole.length; bit += 1 + 8 * whole.length / FLIPS) {
+                byte[] flipped = whole.clone();
+                flipped[bit / 8] ^= (byte) (1 << bit % 8);
+                Files.write(damaged, flipped);
+                String which = name + ", bit " + bit;
+                try {
+                    assertThat(read()).as(which).isEqualTo(expected);
+                    assertThat(problems).as(which).isNotEmpty();
+                } catch (CorruptException refused) {
+                    assertThat(refused).as(which).hasMessageContaining(damaged.toString())
+                            .hasMessageContaining("nothing was changed");
+                }
+                assertThat(Files.readAllBytes(damaged)).as(which).isEqualTo(flipped);
+            }
+            Files.write(damaged, whole);
+        }
+    }
+
+    @Test
+    void aStoreWithoutItsDatabaseIsRefusedAndKept() throws IOException {
+        fill();
+        Files.delete(file);
+        refused("my.db is missing, but " + folder.resolve("my.db-frames-3"));
+        Files.createFile(file);
+        refused("my.db is empty, but");
+        assertThat(folder).isDirectoryContaining("glob:**/my.db-frames-3");
+    }
+
+    @Test
+    void aFileOfAnotherStoreIsRefusedByName() throws IOException {
+        Path other = folder.resolve("other.db");
+        fill();
+        fill(other, SEED + 1);
+        for (String name : List.of("-frames-5", "-frames-4", "-manifest", "")) {
+            Path own = folder.resolve("my.db" + name);
+            byte[] whole = Files.readAllBytes(own);
+            Files.copy(folder.resolve("other.db" + name), own,
+                    StandardCopyOption.REPLACE_EXISTING);
+            refused("another store than");
+            Files.write(own, whole);
+        }
+        assertThat(read()).endsWith("frame 24");
+    }
+
+    /** Two runs that go on from copies of one store have the same identity, and part. */
+    @Test
+    void aFileOfAnotherCopyOfTheStoreIsRefusedByName() throws IOException {
+        fill();
+        Path copies = Files.createDirectory(folder.resolve("copies"));
+        for (Path each : StoreContents.read(file).files()) {
+            Files.copy(each, copies.resolve(each.getFileName()));
+        }
+        goOn(file);
+        goOn(copies.resolve("my.db"));
+        for (String name : List.of("-frames-6", "")) {
+            Path own = folder.resolve("my.db" + name);
+            byte[] whole = Files.readAllBytes(own);
+            Files.copy(copies.resolve("my.db" + name), own, StandardCopyOption.REPLACE_EXISTING);
+            refused("another copy of the store");
+            Files.write(own, whole);
+        }
+    }
+
+    @Test
+    void anOlderDatabaseIsMadeUpForByTheFramesOrRefused() throws Exception {
+        fill();
+        byte[] older = Files.readAllBytes(file);
+        Path frames = folder.resolve("my.db-frames-5");
+        byte[] before = Files.readAllBytes(frames);
+        goOn(file);
+        Files.write(frames, before);
+        byte[] newer = Files.readAllBytes(file);
+        Files.write(file, older);
+        refused("my.db lacks the image of frame 25");
+        Files.write(file, newer);
+        update("DELETE FROM image WHERE frame = 22");
+        assertThat(read()).endsWith("frame 27");
+    }
+
+    @Test
+    void afterAPowerFailureAShorterLastFileIsToldAndTaken() throws IOException {
         fill();
         Path last = folder.resolve("my.db-frames-5");
-        byte[] damaged = Files.readAllBytes(last);
-        damaged[damaged.length - 1]++;
-        Files.write(last, damaged);
-        assertThat(read()).containsExactly("library " + SHA, "image 50", "frame 51");
-        assertThat(problems).singleElement().asString().contains("my.db-frames-5 is damaged");
+        byte[] whole = Files.readAllBytes(last);
+        Files.write(last, Arrays.copyOf(whole, whole.length - 3));
+        refused("my.db-frames-5");
+        Manifest.Claim now = Manifest.read(file).orElseThrow();
+        new Manifest(file, new Manifest.Claim(now.store(), new UUID(1, 2), now.file(),
+                now.fileId(), now.frame(), now.image(), now.imageFrame(), now.imageSum())).close();
+        assertThat(read()).endsWith("frame 23");
+        assertThat(problems).singleElement().asString()
+                .contains("my.db-frames-5 ends at frame 23 of 24", "started again");
+    }
+
+    /** As version 2 wrote them: no identity, no manifest, no links. */
+    @Test
+    void anOldStoreIsReadAsBeforeAndGetsAnIdentityWhenItIsWritten() throws Exception {
+        fill();
+        update("DROP TABLE identity");
+        update("PRAGMA user_version = 2");
+        Files.delete(Manifest.path(file));
+        for (Path each : FrameFiles.present(file).values()) {
+            byte[] linked = Files.readAllBytes(each);
+            byte[] old = Arrays.copyOf(linked, linked.length - RunLog.LINKED_BYTES
+                    + RunLog.EMPTY_BYTES);
+            System.arraycopy(linked, RunLog.LINKED_BYTES, old, RunLog.EMPTY_BYTES,
+                    linked.length - RunLog.LINKED_BYTES);
+            Files.write(each, old);
+        }
+        assertThat(read()).endsWith("image 22", "frame 23", "frame 24");
+        assertThat(problems).isEmpty();
+        goOn(file);
+        assertThat(query("PRAGMA user_version")).isEqualTo("3");
+        assertThat(read()).endsWith("image 25", "frame 26", "frame 27");
+        Files.delete(folder.resolve("my.db-frames-6"));
+        refused("my.db-frames-6 is missing");
     }
 
     @Test
     void aStoreThatIsRemovedIsToldAndMadeAnewWithTheNextImage() throws Exception {
         fill();
-        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
+        try (SqliteStore store = open(file)) {
             Files.delete(file);
             JournalSink.Place place = store.place();
             assertThatExceptionOfType(IOException.class)
@@ -95,12 +238,7 @@ class SqliteStoreTest {
     void withoutAnyGoodImageTheStoreIsRefused() throws Exception {
         fill();
         update("UPDATE image SET crc32c = crc32c + 1");
-        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-            assertThatExceptionOfType(CorruptException.class)
-                    .isThrownBy(() -> store.read(problems::add))
-                    .withMessageContaining("my.db holds no image that can be read");
-            assertThat(problems).hasSize(3);
-        }
+        refused("my.db holds no image that can be read");
     }
 
     /** Found, told, or without any effect: never other records in silence. */
@@ -108,29 +246,24 @@ class SqliteStoreTest {
     void noFlippedBitChangesWhatIsReadInSilence() throws IOException {
         fill();
         byte[] whole = Files.readAllBytes(file);
-        List<String> expected;
-        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-            expected = contents(store.read(problems::add));
-        }
+        List<String> expected = contents();
         Random random = new Random(SEED);
         for (int i = 0; i < FLIPS; i++) {
             int bit = random.nextInt(8 * whole.length);
             byte[] flipped = whole.clone();
             flipped[bit / 8] ^= (byte) (1 << bit % 8);
             Files.write(file, flipped);
-            Files.deleteIfExists(folder.resolve("my.db-wal"));
-            problems.clear();
-            try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-                List<String> found = contents(store.read(problems::add));
-                assertThat(found.equals(expected) || !problems.isEmpty())
-                        .as("bit %d of %d, seed %d", bit, 8 * whole.length, SEED).isTrue();
+            String which = "bit %d of %d, seed %d".formatted(bit, 8 * whole.length, SEED);
+            try {
+                assertThat(contents().equals(expected) || !problems.isEmpty()).as(which).isTrue();
             } catch (CorruptException | IOException refused) {
                 assertThat(refused).hasMessageContaining("my.db");
             }
+            assertThat(Files.readAllBytes(file)).as(which).isEqualTo(flipped);
         }
     }
 
-    /** Read whole, told, refused by name, or (an empty file) a new store. */
+    /** Read whole, told, or refused by name. */
     @Test
     void aStoreThatIsCutIsNeverReadAsAnotherInSilence() throws IOException {
         fill();
@@ -140,12 +273,8 @@ class SqliteStoreTest {
         for (int i = 0; i < FLIPS / 4; i++) {
             int length = i == 0 ? 0 : random.nextInt(whole.length);
             Files.write(file, Arrays.copyOf(whole, length));
-            Files.deleteIfExists(folder.resolve("my.db-wal"));
-            problems.clear();
-            try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-                assertThat(length == 0 ? store.isEmpty()
-                        : describe(store.read(problems::add)).equals(expected)
-                                || !problems.isEmpty())
+            try {
+                assertThat(read().equals(expected) || !problems.isEmpty())
                         .as("cut at byte %d, seed %d", length, SEED).isTrue();
             } catch (CorruptException | IOException refused) {
                 assertThat(refused).hasMessageContaining("my.db");
@@ -174,10 +303,9 @@ class SqliteStoreTest {
     @Test
     void aStoreThatIsOpenElsewhereIsRefused() throws Exception {
         fill();
-        try (SqliteStore open = new SqliteStore(file, Durability.NORMAL)) {
-            assertThat(open.isEmpty()).isFalse();
+        try (SqliteStore _ = open(file)) {
             assertThatExceptionOfType(IOException.class)
-                    .isThrownBy(() -> new SqliteStore(file, Durability.NORMAL))
+                    .isThrownBy(() -> StoreContents.read(file))
                     .withMessageContainingAll("my.db", "locked", "in use by another process",
                             "name another file");
         }
@@ -185,32 +313,64 @@ class SqliteStoreTest {
 
     private void refused(String message) {
         assertThatExceptionOfType(CorruptException.class)
-                .isThrownBy(() -> new SqliteStore(file, Durability.NORMAL))
+                .isThrownBy(() -> StoreContents.read(file).requireWhole())
                 .withMessageContaining(message);
     }
 
+    /** What a whole store comes back to, and what it tells. */
     private List<String> read() throws IOException {
-        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-            return describe(store.read(problems::add));
-        }
+        return describe(records());
+    }
+
+    private List<String> contents() throws IOException {
+        return contents(records());
+    }
+
+    private List<JournalRecord> records() throws IOException {
+        StoreContents contents = StoreContents.read(file);
+        contents.requireWhole();
+        problems.clear();
+        problems.addAll(contents.problems());
+        return contents.records();
+    }
+
+    private static SqliteStore open(Path file) throws IOException {
+        return new SqliteStore(StoreContents.read(file), Durability.NORMAL);
     }
 
     private static JournalRecord.Image image(long frame) {
         return new JournalRecord.Image(frame, new byte[100]);
     }
 
-    /** Images of the frames 10 to 50 with two frames after each. */
     private void fill() throws IOException {
-        Random random = new Random(SEED);
-        try (SqliteStore store = new SqliteStore(file, Durability.NORMAL)) {
-            assertThat(store.isEmpty()).isTrue();
-            var library = new JournalRecord.Library(SHA, bytes(random, 3000));
-            for (int frame = 10; frame <= 50; frame += 10) {
-                store.place().write(List.of(library),
-                        new JournalRecord.Image(frame, bytes(random, 6000)));
-                store.write(new JournalRecord.Frame(frame + 1, bytes(random, 200)));
-                store.write(new JournalRecord.Frame(frame + 2, bytes(random, 200)));
+        fill(file, SEED);
+    }
+
+    /** Images of the frames 10, 13, 16, 19 and 22 and the frames 11 to 24. */
+    private static void fill(Path file, long seed) throws IOException {
+        Random random = new Random(seed);
+        assertThat(StoreContents.read(file).isEmpty()).isTrue();
+        try (SqliteStore store = open(file)) {
+            for (int frame = 10; frame <= 24; frame++) {
+                if (frame > 10) {
+                    store.write(new JournalRecord.Frame(frame, bytes(random, 200)));
+                }
+                if (frame % 3 == 1) {
+                    store.place().write(List.of(new JournalRecord.Library(SHA, LIBRARY)),
+                            new JournalRecord.Image(frame, bytes(random, 6000)));
+                }
             }
+        }
+    }
+
+    /** As a world that was started again: an image of the next frame, and two more. */
+    private static void goOn(Path file) throws IOException {
+        try (SqliteStore store = open(file)) {
+            byte[] other = new byte[100];
+            new Random().nextBytes(other);
+            store.place().write(List.of(), new JournalRecord.Image(25, other));
+            store.write(new JournalRecord.Frame(26, new byte[20]));
+            store.write(new JournalRecord.Frame(27, new byte[20]));
         }
     }
 

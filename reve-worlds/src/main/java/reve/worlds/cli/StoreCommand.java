@@ -1,0 +1,90 @@
+package reve.worlds.cli;
+
+import java.io.PrintWriter;
+import java.nio.file.Path;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import picocli.CommandLine.Command;
+import picocli.CommandLine.Model.CommandSpec;
+import picocli.CommandLine.Option;
+import picocli.CommandLine.ParameterException;
+import picocli.CommandLine.Parameters;
+import picocli.CommandLine.Spec;
+import reve.worlds.server.StoreCheck;
+
+/** Checks a store that no server has open, and has back what a damaged one still holds. */
+@Command(name = "store",
+        description = "Checks a store that no server has open, and has back what a damaged one "
+                + "still holds.")
+public final class StoreCommand implements Runnable {
+    @Spec
+    private CommandSpec spec = CommandSpec.create();
+
+    /** Of both commands. */
+    static final class StoreOptions {
+        @Parameters(paramLabel = "FILE", description = "The store, as serve --store names it.")
+        private Path file = Path.of("");
+
+        @Option(names = "--laws", paramLabel = "DIR",
+                description = "Folder with law libraries, in place of damaged ones in the store.")
+        private Optional<Path> laws = Optional.empty();
+
+        @Option(names = "--json", description = "Print the result as one JSON document.")
+        private boolean json;
+    }
+
+    @Override
+    public void run() {
+        throw new ParameterException(spec.commandLine(), "expected check or repair");
+    }
+
+    @Command(name = "check", description = "Says whether a store is whole, and which frame it comes"
+            + " back to. Changes nothing.")
+    int check(@picocli.CommandLine.Mixin StoreOptions options) throws Exception {
+        StoreCheck found = StoreCheck.of(options.file, options.laws);
+        if (options.json) {
+            Json.print(spec, found.fields());
+        } else {
+            print(found);
+        }
+        return found.isWhole() ? ExitCode.OK : ExitCode.FAILURE;
+    }
+
+    @Command(name = "repair", description = "Puts a whole store with what can be had back in place "
+            + "of a damaged one, whose files are kept in FILE.damaged-1.")
+    int repair(@picocli.CommandLine.Mixin StoreOptions options) throws Exception {
+        Map.Entry<StoreCheck, Optional<Path>> done = StoreCheck.repair(options.file, options.laws);
+        StoreCheck was = done.getKey();
+        if (options.json) {
+            Map<String, Object> fields = new LinkedHashMap<>(was.fields());
+            done.getValue().ifPresent(folder -> fields.put("damaged", folder.toString()));
+            Json.print(spec, fields);
+            return ExitCode.OK;
+        }
+        print(was);
+        PrintWriter out = spec.commandLine().getOut();
+        out.println(done.getValue().map(folder -> "repaired: goes on from frame " + was.frame()
+                + "; the files as they were are in " + folder).orElse("nothing to repair"));
+        out.flush();
+        return ExitCode.OK;
+    }
+
+    private void print(StoreCheck found) {
+        PrintWriter out = spec.commandLine().getOut();
+        List<String> problems = found.problems();
+        problems.forEach(out::println);
+        out.println(found.store() + (found.isWhole() ? ": whole" : ": damaged"));
+        if (found.frame() >= 0) {
+            out.printf("comes back to frame %d, state hash %s%n", found.frame(),
+                    found.fields().get("stateHash"));
+        } else {
+            out.println("nothing can be had back");
+        }
+        if (found.knownFrame() > found.frame()) {
+            out.printf("lost: frames %d to %d%n", found.frame() + 1, found.knownFrame());
+        }
+        out.flush();
+    }
+}

@@ -1,0 +1,75 @@
+package reve.worlds.journal;
+
+import java.io.IOException;
+import java.nio.channels.FileChannel;
+import java.nio.file.AccessDeniedException;
+import java.nio.file.FileSystemException;
+import java.nio.file.Files;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
+import java.sql.SQLException;
+import org.sqlite.SQLiteErrorCode;
+
+/** Why a file could not be opened, read or written, in words. */
+final class FileTrouble {
+    private static final int CODE_BITS = 0xff;
+
+    private FileTrouble() {}
+
+    /** @param what was to be done to the file, as a participle */
+    static IOException of(Path file, String what, IOException e) {
+        return new IOException(file + " could not be " + what + ": " + reason(file, e), e);
+    }
+
+    /** The same of a database. */
+    static IOException of(Path file, String what, SQLException e) {
+        SQLiteErrorCode code = SQLiteErrorCode.getErrorCode(e.getErrorCode() & CODE_BITS);
+        if (code == SQLiteErrorCode.SQLITE_BUSY) {
+            return new IOException(file + " is in use by another process (the database is locked);"
+                    + " end that one first, or name another file", e);
+        }
+        String reason = switch (code) {
+            case SQLITE_CANTOPEN, SQLITE_READONLY, SQLITE_PERM -> whyNotOpened(file);
+            case SQLITE_FULL -> "the disk is full; make room on the disk of "
+                    + file.toAbsolutePath().getParent() + ", or move the store with all of its "
+                    + "files to another one";
+            case SQLITE_IOERR -> "the disk refused to read or write (" + e.getMessage() + ")";
+            default -> e.getMessage();
+        };
+        return new IOException(file + " could not be " + what + ": " + reason, e);
+    }
+
+    static String reason(Path file, IOException e) {
+        return switch (e) {
+            case NoSuchFileException gone -> noPlace(file.toAbsolutePath().getParent());
+            case AccessDeniedException denied -> "permission denied";
+            case FileSystemException other when other.getReason() != null ->
+                    advised(other.getReason());
+            default -> e.getMessage() == null ? e.toString() : advised(e.getMessage());
+        };
+    }
+
+    private static String advised(String reason) {
+        return reason.contains("Too many open files") ? "Too many open files; raise the limit of "
+                + "the process (ulimit -n)" : reason;
+    }
+
+    /** SQLite does not say; the system does when it is asked for the same. */
+    private static String whyNotOpened(Path file) {
+        Path folder = file.toAbsolutePath().getParent();
+        try (FileChannel _ = FileChannel.open(file, StandardOpenOption.READ,
+                StandardOpenOption.WRITE)) {
+            return Files.isWritable(folder) ? "SQLite could not open a file beside it; raise the "
+                    + "limit of open files (ulimit -n), and see that " + file + "-wal may be "
+                    + "read and written" : "the folder " + folder + " may not be written";
+        } catch (IOException e) {
+            return reason(file, e);
+        }
+    }
+
+    private static String noPlace(Path folder) {
+        return Files.isDirectory(folder) ? "the folder " + folder + " takes no such file"
+                : "there is no folder " + folder;
+    }
+}

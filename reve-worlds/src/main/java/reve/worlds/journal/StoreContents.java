@@ -1,0 +1,463 @@
+package reve.worlds.journal;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.SortedMap;
+import java.util.TreeMap;
+import java.util.UUID;
+import java.util.stream.Stream;
+import org.jspecify.annotations.Nullable;
+import reve.core.store.CorruptException;
+
+/**
+ * What the files of a store hold, read without changing any of them, and what is missing. One
+ * thread; no other process may have the store open.
+ */
+public final class StoreContents {
+    /** Damage that costs nothing, as a line each that names the file. */
+    private final List<String> harmless = new ArrayList<>();
+    /** Damage because of which the store is not whole. */
+    private final List<String> damage = new ArrayList<>();
+    private final Path file;
+    private final StoreDatabase.Rows rows;
+    private final Optional<Manifest.Claim> claim;
+    private final UUID id;
+    private final TreeMap<Long, Path> files;
+    private final SortedMap<Long, FrameFile> read = new TreeMap<>();
+    private @Nullable Start start;
+    private long known;
+
+    /** A file of frames as far as it can be read. */
+    private record FrameFile(long number, Path file, Optional<RunLog.Link> link,
+                             List<JournalRecord> records, Optional<String> damage) {}
+
+    /**
+     * An image and what follows it without a gap.
+     *
+     * @param why it ends where it does, or is read in another way than it was written
+     * @param isTail whether all that is wrong may be the end of the newest file
+     */
+    private record Start(StoreDatabase.ImageRow row, JournalRecord.Image image,
+                         List<JournalRecord> after, long frame, List<String> why,
+                         boolean isTail) {}
+
+    /**
+     * Reads a store; a file that is not there is an empty one.
+     *
+     * @throws CorruptException if it is no store, of another version, or has no database
+     * @throws IOException if a file cannot be read, or another process has the store open
+     */
+    public static StoreContents read(Path file) throws IOException {
+        requirePlace(file);
+        TreeMap<Long, Path> files = FrameFiles.present(file);
+        if (!Files.exists(file) || Files.size(file) == 0) {
+            requireNothingBeside(file, files);
+            return new StoreContents(file, StoreDatabase.Rows.NONE, files);
+        }
+        return new StoreContents(file, StoreDatabase.read(file), files);
+    }
+
+    private StoreContents(Path file, StoreDatabase.Rows rows, TreeMap<Long, Path> files)
+            throws IOException {
+        this.file = file;
+        this.rows = rows;
+        this.files = files;
+        damage.addAll(rows.damage());
+        claim = readClaim();
+        id = claim.filter(said -> rows.identity().isEmpty() || isOf(said))
+                .map(Manifest.Claim::store)
+                .or(() -> rows.identity().map(StoreDatabase.Identity::id))
+                .orElseGet(UUID::randomUUID);
+        requireImageBeforeFrames();
+        if (isEmpty()) {
+            return;
+        }
+        compareWithManifest();
+        checkLinks();
+        if (isStranger()) {
+            damage.add(file + " belongs to another store than all the files beside it");
+        } else {
+            findStart();
+        }
+        judge();
+    }
+
+    /** Its database. */
+    public Path file() {
+        return file;
+    }
+
+    /** Whether no image was ever kept in it. */
+    public boolean isEmpty() {
+        return rows.images().isEmpty() && rows.damage().isEmpty()
+                && claim.map(Manifest.Claim::image).orElse(0L) == 0
+                && damage.isEmpty();
+    }
+
+    /** Whether nothing that was kept is lost. */
+    public boolean isWhole() {
+        return damage.isEmpty();
+    }
+
+    /** What is damaged, a line each that names the file: first what something is lost by. */
+    public List<String> problems() {
+        return Stream.concat(damage.stream(), harmless.stream()).distinct().toList();
+    }
+
+    /** The frame that the store comes back to, -1 if to none. */
+    public long frame() {
+        return start == null ? -1 : start.frame();
+    }
+
+    /** The newest frame that is known to have been kept. */
+    public long knownFrame() {
+        return known;
+    }
+
+    /** What it takes to have the world again: an image, and the frames that follow it. */
+    public List<JournalRecord> records() {
+        List<JournalRecord> records = new ArrayList<>();
+        rows.libraries().forEach((sha256, bytes) ->
+                records.add(new JournalRecord.Library(sha256, bytes)));
+        if (start != null) {
+            records.add(start.image());
+            records.addAll(start.after());
+        }
+        return records;
+    }
+
+    /** All files of the store that are there. */
+    public List<Path> files() {
+        List<Path> all = new ArrayList<>(List.of(file));
+        all.addAll(files.values());
+        all.add(Manifest.path(file));
+        all.addAll(StoreDatabase.besides(file));
+        return all.stream().filter(Files::exists).toList();
+    }
+
+    /** @throws CorruptException saying what is missing, what is left and what to do */
+    public void requireWhole() {
+        if (!isWhole()) {
+            throw refusal(String.join("; ", damage), frame());
+        }
+    }
+
+    /**
+     * Why a store is not opened.
+     *
+     * @param frame that it could go on from, -1 if there is none
+     */
+    public CorruptException refusal(String reason, long frame) {
+        String left = frame < 0 ? "Nothing of the world can be had back without them: put the "
+                + "files back from a copy, or name another file" : "It could go on from frame " + frame
+                + (known > frame ? "; frames " + (frame + 1) + " to " + known + " would be lost"
+                : "") + ". Put back what is missing from a copy, or have back what there is: "
+                + "./reve store repair " + file;
+        return new CorruptException(file + " is not whole: " + reason + ". " + left
+                + " (nothing was changed)");
+    }
+
+    /** What the manifest is to say when the store goes on from here. */
+    Manifest.Claim claim() {
+        Manifest.Claim begin = Manifest.Claim.nothing(id);
+        return start == null ? begin : new Manifest.Claim(id, begin.boot(), lastFile(),
+                lastId(), start.frame(), start.row().framesFile(), start.row().frame(),
+                start.row().sum());
+    }
+
+    /** The number of the newest file of frames there is or was; 0 without any. */
+    long lastFile() {
+        long newest = files.isEmpty() ? 0 : files.lastKey();
+        for (StoreDatabase.ImageRow row : rows.images()) {
+            newest = Math.max(newest, row.framesFile());
+        }
+        return Math.max(newest, claim.map(Manifest.Claim::file).orElse(0L));
+    }
+
+    long lastId() {
+        return Optional.ofNullable(read.get(lastFile())).flatMap(FrameFile::link)
+                .map(RunLog.Link::id).orElse(0L);
+    }
+
+    UUID id() {
+        return id;
+    }
+
+    boolean hasIdentity() {
+        return rows.identity().isPresent();
+    }
+
+    /** SHA-256 of libraries in the database whose bytes are others. */
+    public List<String> damagedLibraries() {
+        return rows.damagedLibraries();
+    }
+
+    private Optional<Manifest.Claim> readClaim() throws IOException {
+        try {
+            Optional<Manifest.Claim> found = Manifest.read(file);
+            if (found.isEmpty() && rows.identity().isPresent()) {
+                damage.add(Manifest.path(file) + " is " + (Files.exists(Manifest.path(file))
+                        ? "empty" : "missing") + ", so that the newest frames may be, too");
+            }
+            return found;
+        } catch (CorruptException e) {
+            damage.add(e.getMessage());
+            return Optional.empty();
+        }
+    }
+
+    /** Whether a manifest names the very image that is in the database. */
+    private boolean isOf(Manifest.Claim said) {
+        return rows.images().stream().anyMatch(row -> row.isGood()
+                && row.framesFile() == said.image() && row.sum() == said.imageSum());
+    }
+
+    private void requireImageBeforeFrames() throws IOException {
+        if (rows.images().isEmpty()) {
+            for (Path each : files.values()) {
+                if (Files.size(each) > RunLog.LINKED_BYTES) {
+                    damage.add(file + " holds no image, but " + each + " holds frames");
+                }
+            }
+        } else if (rows.isIdentified() && rows.identity().isEmpty()) {
+            damage.add(file + " has lost its identity");
+        }
+    }
+
+    private void compareWithManifest() {
+        if (claim.isEmpty()) {
+            return;
+        }
+        Manifest.Claim said = claim.get();
+        known = said.frame();
+        Path manifest = Manifest.path(file);
+        if (rows.identity().isPresent() && !rows.identity().get().id().equals(said.store())) {
+            damage.add(isOf(said) ? file + " has another identity than " + manifest
+                    : manifest + " belongs to another store than " + file);
+            known = id.equals(said.store()) ? known : 0;
+        } else if (said.image() > 0 && rows.identity().isEmpty()) {
+            damage.add(file + " is an older copy, from before " + manifest);
+        }
+        boolean has = false;
+        for (StoreDatabase.ImageRow row : rows.images()) {
+            has |= row.framesFile() >= said.image();
+            if (row.isGood() && row.framesFile() == said.image() && row.sum() != said.imageSum()) {
+                damage.add(file + " belongs to another copy of the store than " + manifest);
+            }
+            if (row.framesFile() > said.file()) {
+                harmless.add(manifest + " is older than " + file);
+            }
+        }
+        if (said.image() > 0 && !has) {
+            harmless.add(file + " lacks the image of frame " + said.imageFrame() + ": it is an "
+                    + "older copy, or " + file + "-wal was lost");
+        }
+    }
+
+    /** Whose each file is, and that each continues the one before it; others are passed over. */
+    private void checkLinks() throws IOException {
+        long first = rows.images().stream().mapToLong(StoreDatabase.ImageRow::framesFile).min()
+                .orElse(1);
+        RunLog.@Nullable Link before = null;
+        for (long number : files.tailMap(first).keySet()) {
+            FrameFile each = frames(number);
+            Optional<String> foreign = foreign(each, before);
+            foreign.ifPresent(damage::add);
+            if (foreign.isEmpty()) {
+                read.put(number, each);
+                before = each.link().orElse(null);
+            }
+        }
+    }
+
+    /** Whether the database, and not a file beside it, is the one that does not belong here. */
+    private boolean isStranger() {
+        return claim.isPresent() && !id.equals(claim.get().store())
+                && read.values().stream().allMatch(each -> each.link().isEmpty());
+    }
+
+    private Optional<String> foreign(FrameFile each, RunLog.@Nullable Link before) {
+        if (each.link().isEmpty()) {
+            return each.number() >= since() && !each.records().isEmpty()
+                    ? Optional.of(each.file() + " does not say which store it belongs to")
+                    : Optional.empty();
+        }
+        RunLog.Link link = each.link().get();
+        if (!link.store().equals(id)) {
+            return Optional.of(each.file() + " belongs to another store than " + file);
+        }
+        if (link.number() != each.number()) {
+            return Optional.of(each.file() + " was "
+                    + FrameFiles.path(file, link.number()).getFileName());
+        }
+        boolean isClaimed = claim.isEmpty() || link.number() != claim.get().file()
+                || link.id() == claim.get().fileId();
+        boolean continues = before == null || before.number() != link.number() - 1
+                || link.before() == before.id();
+        return isClaimed && continues ? Optional.empty()
+                : Optional.of(each.file() + " belongs to another copy of the store");
+    }
+
+    /** Number of the first file that has to be there and to say whose it is. */
+    private long since() {
+        return rows.identity().map(StoreDatabase.Identity::since).orElse(Long.MAX_VALUE);
+    }
+
+    private FrameFile frames(long number) throws IOException {
+        Path path = files.get(number);
+        List<JournalRecord> records = new ArrayList<>();
+        if (Files.size(path) < RunLog.EMPTY_BYTES) {
+            return new FrameFile(number, path, Optional.empty(), records, Optional.empty());
+        }
+        try (RunLog.Reader reader = RunLog.open(path)) {
+            Optional<String> found = Optional.empty();
+            try {
+                reader.forEachRemaining(records::add);
+            } catch (CorruptException e) {
+                found = Optional.of(e.getMessage());
+            }
+            return new FrameFile(number, path, reader.link(), records, found);
+        } catch (CorruptException e) {
+            return new FrameFile(number, path, Optional.empty(), records, Optional.of(e.getMessage()));
+        } catch (IOException e) {
+            throw FileTrouble.of(path, "read", e);
+        }
+    }
+
+    /** The newest image that can be read, or an older one that more frames follow. */
+    private void findStart() throws IOException {
+        for (StoreDatabase.ImageRow row : rows.images()) {
+            if (!row.isGood()) {
+                harmless.add(file + ": the image of frame " + row.frame() + " is damaged");
+                continue;
+            }
+            known = Math.max(known, row.frame());
+            if (start == null || start.frame() < known) {
+                Start found = from(row);
+                if (start == null || found.frame() > start.frame()) {
+                    start = found;
+                }
+            }
+        }
+    }
+
+    private Start from(StoreDatabase.ImageRow row) throws IOException {
+        List<JournalRecord> after = new ArrayList<>();
+        List<String> why = new ArrayList<>();
+        long frame = row.frame();
+        long last = lastFile();
+        boolean gap = false;
+        boolean isTail = true;
+        for (long number = row.framesFile(); number <= last; number++) {
+            FrameFile each = read.get(number);
+            if (each == null) {
+                if (number >= since()) {
+                    why.add(FrameFiles.path(file, number) + (files.containsKey(number)
+                            ? " cannot be used" : " is missing"));
+                    isTail = false;
+                }
+                continue;
+            }
+            for (JournalRecord record : each.records()) {
+                if (record instanceof JournalRecord.Frame next) {
+                    known = Math.max(known, next.frame());
+                    if (!gap && next.frame() != frame + 1) {
+                        gap = true;
+                        why.add(each.file() + ": frame " + next.frame() + " follows frame " + frame
+                                + ", records are missing");
+                    }
+                    frame = gap ? frame : next.frame();
+                }
+                if (!gap) {
+                    after.add(record);
+                }
+            }
+            each.damage().ifPresent(why::add);
+            isTail &= !gap && (each.damage().isEmpty() || number == last);
+        }
+        return new Start(row, StoreDatabase.image(file, row), after, frame, why, isTail);
+    }
+
+    /** What follows from what was found: is anything lost? */
+    private void judge() {
+        Start from = start;
+        if (from == null) {
+            if (rows.images().stream().noneMatch(StoreDatabase.ImageRow::isGood)) {
+                damage.addFirst(file + " holds no image that can be read");
+            }
+            damage.addAll(harmless);
+            return;
+        }
+        boolean damaged = read.tailMap(from.row().framesFile()).values().stream()
+                .anyMatch(each -> each.damage().isPresent());
+        if (from.frame() >= known && !damaged) {
+            harmless.addAll(from.why());
+            addOlderFiles(from.row().framesFile());
+        } else if (damage.isEmpty() && from.isTail() && claim.isPresent()
+                && claim.get().isOfAnotherBoot()) {
+            harmless.addAll(from.why());
+            harmless.add(FrameFiles.path(file, lastFile()) + " ends at frame " + from.frame()
+                    + " of " + known + ": the machine was started again since, and the disk did "
+                    + "not have the others");
+        } else {
+            damage.addAll(from.why());
+            damage.addAll(harmless);
+            if (damage.isEmpty()) {
+                damage.add(FrameFiles.path(file, lastFile()) + " ends at frame " + from.frame()
+                        + ", but went on to frame " + known);
+            }
+        }
+    }
+
+    /** Files that only images before the one that is used need. */
+    private void addOlderFiles(long used) {
+        for (long number = Math.max(rows.images().getLast().framesFile(), since());
+                number < used; number++) {
+            if (!files.containsKey(number)) {
+                harmless.add(FrameFiles.path(file, number)
+                        + " is missing; only older images needed it");
+            }
+        }
+        read.headMap(used).values().forEach(each -> each.damage().ifPresent(harmless::add));
+    }
+
+    private static void requireNothingBeside(Path file, TreeMap<Long, Path> files)
+            throws IOException {
+        List<Path> beside = new ArrayList<>(files.values());
+        Stream.concat(Stream.of(Manifest.path(file)), StoreDatabase.besides(file).stream())
+                .filter(each -> Files.exists(each) && each.toFile().length() > 0)
+                .forEach(beside::add);
+        beside.addAll(setAside(file));
+        if (!beside.isEmpty()) {
+            throw new CorruptException(file + (Files.exists(file) ? " is empty" : " is missing")
+                    + ", but " + beside.getFirst() + (beside.size() > 1 ? " and "
+                    + (beside.size() - 1) + " more beside it belong" : " beside it belongs")
+                    + " to a store. Put " + file.getFileName() + " back from a copy; to begin a "
+                    + "new world, name another file or move these away (nothing was changed)");
+        }
+    }
+
+    /** Folders that repairs have moved damaged files to, STORE.damaged-1 and so on. */
+    public static List<Path> setAside(Path file) throws IOException {
+        String prefix = file.getFileName() + ".damaged-";
+        try (Stream<Path> siblings = Files.list(file.toAbsolutePath().getParent())) {
+            return siblings.filter(each -> each.getFileName().toString().startsWith(prefix))
+                    .sorted().toList();
+        }
+    }
+
+    private static void requirePlace(Path file) throws IOException {
+        Path parent = file.toAbsolutePath().getParent();
+        if (Files.isDirectory(file) || parent == null) {
+            throw new IOException(file + " is a folder, expected a file");
+        }
+        if (!Files.isDirectory(parent)) {
+            throw new IOException(file + " could not be opened: there is no folder " + parent);
+        }
+    }
+}

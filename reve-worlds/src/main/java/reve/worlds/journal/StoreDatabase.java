@@ -1,0 +1,303 @@
+package reve.worlds.journal;
+
+import java.io.IOException;
+import java.nio.ByteBuffer;
+import java.nio.charset.StandardCharsets;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.security.MessageDigest;
+import java.security.NoSuchAlgorithmException;
+import java.sql.Connection;
+import java.sql.ResultSet;
+import java.sql.SQLException;
+import java.sql.Statement;
+import java.util.ArrayList;
+import java.util.HexFormat;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.UUID;
+import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.zip.CRC32C;
+import org.sqlite.SQLiteConfig;
+import org.sqlite.SQLiteErrorCode;
+import reve.core.store.CorruptException;
+import reve.worlds.Product;
+
+/** The database of a store: its schema, and reading it without changing a byte. */
+final class StoreDatabase {
+    /** "REVE" in SQLite's header: whose file it is. */
+    static final int APPLICATION_ID = 0x52455645;
+    static final int VERSION = 3;
+    /** Stores without an identity, which get one when they are written. */
+    private static final int OLD_VERSION = 2;
+    static final String IDENTITY = "CREATE TABLE IF NOT EXISTS identity (id TEXT NOT NULL, "
+            + "since INTEGER NOT NULL)";
+    static final String SCHEMA = """
+            CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB NOT NULL);
+            CREATE TABLE image (frames_file INTEGER PRIMARY KEY, frame INTEGER NOT NULL,
+                bytes BLOB NOT NULL, crc32c INTEGER NOT NULL);
+            """ + IDENTITY;
+
+    /** Where SQLite's own code is looked for, before it is unpacked into a temporary file. */
+    private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
+
+    static {
+        if (System.getProperty(LIBRARY_FOLDER) == null) {
+            System.setProperty(LIBRARY_FOLDER, Product.nativeFolder().toAbsolutePath().toString());
+        }
+    }
+
+    private StoreDatabase() {}
+
+    /**
+     * Which store it is.
+     *
+     * @param since number of the first file of frames that says so, too
+     */
+    record Identity(UUID id, long since) {}
+
+    /** An image without its bytes. */
+    record ImageRow(long framesFile, long frame, long sum, boolean isGood) {}
+
+    /**
+     * What can be read of it.
+     *
+     * @param isIdentified whether it is of the version that has an identity
+     * @param images the newest first
+     * @param libraries by the SHA-256 of the bytes as they are
+     * @param damagedLibraries what the SHA-256 of other bytes should be
+     */
+    record Rows(boolean isIdentified, Optional<Identity> identity, List<ImageRow> images,
+                Map<String, byte[]> libraries, List<String> damagedLibraries,
+                List<String> damage) {
+        static final Rows NONE = new Rows(true, Optional.empty(), List.of(), Map.of(),
+                List.of(), List.of());
+    }
+
+    private interface Query {
+        void run(Statement statement) throws SQLException;
+    }
+
+    static Rows read(Path file) throws IOException {
+        requireMark(file);
+        List<ImageRow> images = new ArrayList<>();
+        Map<String, byte[]> libraries = new LinkedHashMap<>();
+        List<String> damagedLibraries = new ArrayList<>();
+        List<String> damage = new ArrayList<>();
+        List<Identity> identity = new ArrayList<>();
+        var isIdentified = new AtomicBoolean();
+        reading(file, statement -> {
+            isIdentified.set(check(file, statement, damage));
+            attempt(file, damage, () -> readLibraries(statement, libraries, damagedLibraries));
+            attempt(file, damage, () -> readImages(statement, images));
+            if (isIdentified.get()) {
+                attempt(file, damage, () -> readIdentity(statement, identity));
+            }
+        });
+        return new Rows(isIdentified.get(), identity.stream().findFirst(), images, libraries,
+                damagedLibraries, damage);
+    }
+
+    /** An image whose row is good. */
+    static JournalRecord.Image image(Path file, ImageRow row) throws IOException {
+        List<JournalRecord.Image> found = new ArrayList<>();
+        reading(file, statement -> {
+            try (ResultSet result = statement.executeQuery(
+                    "SELECT bytes FROM image WHERE frames_file = " + row.framesFile())) {
+                result.next();
+                found.add(new JournalRecord.Image(row.frame(), result.getBytes(1)));
+            }
+        });
+        return found.getFirst();
+    }
+
+    /** A connection that writes; an empty database gets its tables. */
+    static Connection open(Path file) throws IOException {
+        boolean isNew = !Files.exists(file) || Files.size(file) == 0;
+        SQLiteConfig config = new SQLiteConfig();
+        config.setLockingMode(SQLiteConfig.LockingMode.EXCLUSIVE);
+        config.setBusyTimeout(0);
+        Connection opened;
+        try {
+            opened = config.createConnection("jdbc:sqlite:" + file.toAbsolutePath());
+        } catch (SQLException e) {
+            throw FileTrouble.of(file, "opened", e);
+        }
+        try (Statement statement = opened.createStatement()) {
+            statement.execute("PRAGMA journal_mode = WAL"); // locked before: needs no -shm file
+            statement.execute("PRAGMA synchronous = FULL");
+            if (isNew) {
+                statement.executeUpdate("PRAGMA application_id = " + APPLICATION_ID);
+                for (String table : SCHEMA.split(";")) {
+                    statement.executeUpdate(table);
+                }
+            }
+            long version = isNew ? VERSION : number(statement, "PRAGMA user_version");
+            statement.executeUpdate("PRAGMA user_version = " + version); // locks the file
+            opened.setAutoCommit(false);
+            return opened;
+        } catch (SQLException e) {
+            closeAfter(opened, e);
+            throw FileTrouble.of(file, "opened", e);
+        }
+    }
+
+    static void closeAfter(Connection connection, Exception failure) {
+        try {
+            connection.close();
+        } catch (SQLException e) {
+            failure.addSuppressed(e);
+        }
+    }
+
+    /** Files that SQLite keeps beside it. */
+    static List<Path> besides(Path file) {
+        return List.of(file.resolveSibling(file.getFileName() + "-wal"),
+                file.resolveSibling(file.getFileName() + "-shm"));
+    }
+
+    static long number(Statement statement, String sql) throws SQLException {
+        try (ResultSet result = statement.executeQuery(sql)) {
+            return result.next() ? result.getLong(1) : 0;
+        }
+    }
+
+    static long checksum(byte[] bytes, long... numbers) {
+        var crc = new CRC32C();
+        for (long number : numbers) {
+            crc.update(ByteBuffer.allocate(Long.BYTES).putLong(number).flip());
+        }
+        crc.update(bytes);
+        return crc.getValue();
+    }
+
+    /**
+     * Only a connection that may not write leaves the write-ahead log as it is. SQLite makes files
+     * beside the database even so, which are removed again.
+     */
+    private static void reading(Path file, Query query) throws IOException {
+        List<Path> made = besides(file).stream().filter(beside -> !Files.exists(beside)).toList();
+        SQLiteConfig config = new SQLiteConfig();
+        config.setReadOnly(true);
+        config.setBusyTimeout(0);
+        try (Connection connection = config.createConnection("jdbc:sqlite:"
+                + file.toAbsolutePath()); Statement statement = connection.createStatement()) {
+            query.run(statement);
+        } catch (SQLException e) {
+            throw unreadable(file, e);
+        } finally {
+            for (Path beside : made) {
+                Files.deleteIfExists(beside);
+            }
+        }
+    }
+
+    private static IOException unreadable(Path file, SQLException e) {
+        SQLiteErrorCode code = SQLiteErrorCode.getErrorCode(e.getErrorCode() & 0xff);
+        if (code == SQLiteErrorCode.SQLITE_CORRUPT || code == SQLiteErrorCode.SQLITE_NOTADB) {
+            throw new CorruptException(file + " is damaged so that nothing of it can be read ("
+                    + e.getMessage() + "); put a copy of it and its files in its place, or name "
+                    + "another file", e);
+        }
+        return FileTrouble.of(file, "opened", e);
+    }
+
+    private interface Reading {
+        void run() throws SQLException;
+    }
+
+    private static void attempt(Path file, List<String> damage, Reading reading)
+            throws SQLException {
+        try {
+            reading.run();
+        } catch (SQLException e) {
+            if (e.getErrorCode() == SQLiteErrorCode.SQLITE_BUSY.code) {
+                throw e;
+            }
+            damage.add(file + " is damaged: " + e.getMessage());
+        }
+    }
+
+    private static boolean check(Path file, Statement statement, List<String> damage)
+            throws SQLException {
+        if (number(statement, "PRAGMA application_id") != APPLICATION_ID) {
+            throw new CorruptException(file + " is an SQLite database but no store of REVE;"
+                    + " name another file");
+        }
+        long version = number(statement, "PRAGMA user_version");
+        if (version != VERSION && version != OLD_VERSION) {
+            throw new CorruptException(file + " is a store of version " + version
+                    + ", this program reads and writes " + VERSION);
+        }
+        attempt(file, damage, () -> {
+            try (ResultSet result = statement.executeQuery("PRAGMA integrity_check(1)")) {
+                String found = result.next() ? result.getString(1) : "nothing";
+                if (!found.equals("ok")) {
+                    damage.add(file + " is damaged: " + found.replace('\n', ' '));
+                }
+            }
+        });
+        return version == VERSION;
+    }
+
+    private static void readLibraries(Statement statement, Map<String, byte[]> into,
+            List<String> damaged) throws SQLException {
+        try (ResultSet row = statement.executeQuery("SELECT sha256, bytes FROM library")) {
+            while (row.next()) {
+                byte[] bytes = row.getBytes(2);
+                String found = sha256(bytes == null ? new byte[0] : bytes);
+                if (!found.equals(row.getString(1))) {
+                    damaged.add(row.getString(1));
+                }
+                into.put(found, bytes == null ? new byte[0] : bytes);
+            }
+        }
+    }
+
+    private static void readImages(Statement statement, List<ImageRow> into) throws SQLException {
+        try (ResultSet row = statement.executeQuery(
+                "SELECT frames_file, frame, bytes, crc32c FROM image ORDER BY frames_file DESC")) {
+            while (row.next()) {
+                byte[] bytes = row.getBytes(3);
+                long sum = row.getLong(4);
+                into.add(new ImageRow(row.getLong(1), row.getLong(2), sum, bytes != null
+                        && sum == checksum(bytes, row.getLong(1), row.getLong(2))));
+            }
+        }
+    }
+
+    private static void readIdentity(Statement statement, List<Identity> into)
+            throws SQLException {
+        try (ResultSet row = statement.executeQuery("SELECT id, since FROM identity")) {
+            if (row.next()) {
+                try {
+                    into.add(new Identity(UUID.fromString(row.getString(1)), row.getLong(2)));
+                } catch (IllegalArgumentException e) {
+                    throw new SQLException("its identity makes no sense: " + e.getMessage(), e);
+                }
+            }
+        }
+    }
+
+    private static void requireMark(Path file) throws IOException {
+        try (var in = Files.newInputStream(file)) {
+            if (!new String(in.readNBytes(16), StandardCharsets.ISO_8859_1)
+                    .equals("SQLite format 3\0")) {
+                throw new CorruptException(file + " is no store of REVE, or damaged so that nothing"
+                        + " of it can be read; name another file, or put back a copy");
+            }
+        } catch (IOException e) {
+            throw FileTrouble.of(file, "opened", e);
+        }
+    }
+
+    static String sha256(byte[] bytes) {
+        try {
+            return HexFormat.of().formatHex(MessageDigest.getInstance("SHA-256").digest(bytes));
+        } catch (NoSuchAlgorithmException e) {
+            throw new AssertionError("every Java platform has SHA-256", e);
+        }
+    }
+}

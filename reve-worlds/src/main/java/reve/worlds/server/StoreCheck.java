@@ -1,0 +1,190 @@
+package reve.worlds.server;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.LinkedHashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import org.jspecify.annotations.Nullable;
+import reve.core.frame.Pacing;
+import reve.core.store.CorruptException;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreContents;
+
+/**
+ * Says what of a store can be had back, by making its frames again, and has it back. One thread; no
+ * other process may have the store open.
+ *
+ * @param store the file it was asked about
+ * @param isWhole whether nothing is lost
+ * @param frame that the store comes back to, -1 if to none
+ * @param knownFrame the newest frame that it is known to have had
+ * @param stateHash of the world at that frame
+ * @param problems what is damaged or missing, a line each
+ */
+public record StoreCheck(Path store, boolean isWhole, long frame, long knownFrame, long stateHash,
+                         List<String> problems) {
+    /** Where a replay ended before the journal, and why. */
+    record End(long frame, String reason) {}
+
+    /** What a replay came to. */
+    private record Made(StoreContents contents, LawFiles laws, StoreCheck check) {}
+
+    /**
+     * Checks a store without changing it.
+     *
+     * @param laws folder of law libraries, in place of damaged ones
+     * @throws CorruptException if it is no store
+     * @throws IOException if it cannot be read, or another process has it open
+     */
+    public static StoreCheck of(Path store, Optional<Path> laws) throws IOException {
+        return made(store, laws).check();
+    }
+
+    /**
+     * Puts a whole store that holds what can be had back in place of a damaged one, whose files are
+     * moved as they are to the folder STORE.damaged-N. A whole store is left alone.
+     *
+     * @return what the store was and, if there is one now, the folder
+     * @throws CorruptException if nothing can be had back; nothing is changed then
+     */
+    public static Map.Entry<StoreCheck, Optional<Path>> repair(Path store, Optional<Path> laws)
+            throws IOException {
+        Made made = made(store, laws);
+        if (made.check().problems().isEmpty()) {
+            return Map.entry(made.check(), Optional.empty());
+        }
+        if (made.check().frame() < 0) {
+            throw new CorruptException(store + ": nothing can be had back: "
+                    + String.join("; ", made.check().problems()) + " (nothing was changed)");
+        }
+        int number = StoreContents.setAside(store).size() + 1;
+        while (Files.exists(store.resolveSibling(store.getFileName() + ".damaged-" + number))) {
+            number++;
+        }
+        Path aside = Files.createDirectory(
+                store.resolveSibling(store.getFileName() + ".damaged-" + number));
+        Path place = Files.createDirectory(aside.resolve("repaired"));
+        Path repaired = place.resolve(store.getFileName());
+        write(made, repaired);
+        for (Path file : made.contents().files()) {
+            Files.move(file, aside.resolve(file.getFileName()));
+        }
+        // The database last: until it is there, the store is refused.
+        List<Path> whole = new ArrayList<>(StoreContents.read(repaired).files());
+        for (Path file : whole.reversed()) {
+            Files.move(file, store.resolveSibling(file.getFileName()));
+        }
+        Files.delete(place);
+        return Map.entry(made.check(), Optional.of(aside));
+    }
+
+    /** For JSON, in order. */
+    public Map<String, Object> fields() {
+        Map<String, Object> fields = new LinkedHashMap<>();
+        fields.put("store", store.toString());
+        fields.put("whole", isWhole);
+        fields.put("frame", frame);
+        fields.put("knownFrame", knownFrame);
+        if (frame >= 0) {
+            fields.put("stateHash", String.format("%016x", stateHash));
+        }
+        fields.put("problems", problems);
+        return fields;
+    }
+
+    /**
+     * Takes the records of a store, up to the first that does not fit.
+     *
+     * @return where that is; empty if all did
+     */
+    static Optional<End> make(Replay replay, StoreContents contents) {
+        for (JournalRecord record : contents.records()) {
+            long before = replay.frame();
+            try {
+                if (!replay.take(record)) {
+                    return Optional.of(new End(before, replay.divergence().orElseThrow().message()
+                            + " from what was journalled (damage, or another processor or version "
+                            + "of REVE)"));
+                }
+            } catch (CorruptException e) {
+                boolean laws = before < 0 && !contents.damagedLibraries().isEmpty();
+                return Optional.of(new End(before, e.getMessage() + (laws ? "; put the same "
+                        + "library into a folder, and name that with --laws" : "")));
+            }
+        }
+        return Optional.empty();
+    }
+
+    private static Made made(Path store, Optional<Path> laws) throws IOException {
+        StoreContents contents = StoreContents.read(store);
+        if (contents.isEmpty()) {
+            throw new CorruptException(store + (Files.exists(store) ? " is an empty store"
+                    : " is not there") + ": there is nothing to check");
+        }
+        List<String> problems = new ArrayList<>(contents.problems());
+        LawFiles found = new LawFiles(laws, problems::add);
+        Optional<End> end;
+        long frame;
+        long hash;
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, found::find)) {
+            end = make(replay, contents);
+            end.ifPresent(early -> problems.add(early.reason()));
+            frame = end.map(End::frame).orElse(replay.frame());
+            hash = end.isPresent() || frame < 0 ? 0 : hash(replay);
+        }
+        if (end.isPresent() && frame >= 0) {
+            hash = hashAt(contents, found, frame);
+        }
+        return new Made(contents, found, new StoreCheck(store,
+                contents.isWhole() && end.isEmpty(), frame,
+                Math.max(frame, contents.knownFrame()), hash, List.copyOf(problems)));
+    }
+
+    private static long hashAt(StoreContents contents, LawFiles laws, long frame) {
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws::find)) {
+            for (JournalRecord record : contents.records()) {
+                if (!replay.take(record, frame) && replay.frame() == frame) {
+                    break;
+                }
+            }
+            return hash(replay);
+        }
+    }
+
+    private static long hash(Replay replay) {
+        try (Simulation made = replay.release()) {
+            return made.physics().stateHash();
+        }
+    }
+
+    private static void write(Made made, Path repaired) throws IOException {
+        List<JournalRecord.Library> libraries = new ArrayList<>();
+        JournalRecord.@Nullable Image image = null;
+        for (JournalRecord record : made.contents().records()) {
+            switch (record) {
+                case JournalRecord.Library library -> libraries.add(library);
+                case JournalRecord.Image first -> image = first;
+                case JournalRecord.Frame frame -> { }
+            }
+        }
+        libraries.addAll(made.laws().given());
+        try (SqliteStore store = new SqliteStore(StoreContents.read(repaired),
+                SqliteStore.Durability.FULL)) {
+            JournalSink.Place place = store.place();
+            place.write(libraries, java.util.Objects.requireNonNull(image));
+            for (JournalRecord record : made.contents().records()) {
+                if (record instanceof JournalRecord.Frame frame
+                        && frame.frame() <= made.check().frame()) {
+                    store.write(record);
+                }
+            }
+            store.sync();
+        }
+    }
+}

@@ -1,0 +1,300 @@
+package reve.worlds.server;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.io.IOException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.ArrayList;
+import java.util.Arrays;
+import java.util.Collections;
+import java.util.HashMap;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.Random;
+import java.util.TreeMap;
+import java.util.stream.Stream;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import reve.core.file.WorldDescription;
+import reve.core.file.WorldFile;
+import reve.core.frame.Pacing;
+import reve.core.store.CorruptException;
+import reve.worlds.journal.Journal;
+import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.SqliteStore;
+
+/**
+ * A store of a server that was killed, damaged in every way that files can be: it comes back as it
+ * was, or says which file is damaged, and stays as it is until its repair is asked for.
+ */
+class StoreDamageNativeTest {
+    private static final Path WORLD =
+            Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");
+    private static final long SEED = Long.getLong("reve.test.seed", 20261122);
+    /** 1000 in a long run. */
+    private static final int DAMAGES = Integer.getInteger("reve.test.damages", 40);
+    private static final int FLIPS = Math.max(6, DAMAGES / 10);
+    private static final String NAME = "my.db";
+
+    @TempDir
+    private Path folder;
+    private final Map<Long, Long> hashes = new HashMap<>();
+    private final Map<String, Integer> counts = new TreeMap<>();
+    private WorldDescription description;
+
+    /** What is done to the files of a store, by name; null removes one. */
+    private record Damage(String what, List<String> files, Map<String, byte[]> content) {}
+
+    /** What was once heard of a store. */
+    private record Heard(long frame, long hash, List<String> told) {}
+
+    @Test
+    void noDamageLosesAWorldInSilenceOrChangesAFile() throws Exception {
+        description = WorldFile.load(WORLD);
+        Map<String, byte[]> older = killedAfter(50, "one", Map.of());
+        older = killedAfter(90, "one", older);
+        Map<String, byte[]> whole = killedAfter(135, "one", older);
+        Map<String, byte[]> other = killedAfter(135, "two", Map.of());
+        killedAfter(135, "one", Map.of()); // the hashes of this run are those that count
+        List<Damage> damages = damages(whole, older, other);
+        assertThat(damages).hasSizeGreaterThan(100);
+        Collections.shuffle(damages, new Random(SEED));
+        for (Damage damage : damages.subList(0, Math.min(DAMAGES, damages.size()))) {
+            suffer(whole, damage);
+        }
+        System.out.println("of " + damages.size() + " damages " + counts);
+    }
+
+    private void suffer(Map<String, byte[]> whole, Damage damage) throws Exception {
+        Path place = Files.createTempDirectory(folder, "damaged");
+        Map<String, byte[]> damaged = new TreeMap<>(whole);
+        damage.content().forEach((name, bytes) -> {
+            damaged.remove(name);
+            if (bytes != null) {
+                damaged.put(name, bytes);
+            }
+        });
+        write(place, damaged);
+        String which = damage.what() + " (seed " + SEED + ")";
+        try {
+            Heard heard = open(place);
+            count(heard.told().isEmpty() ? "unnoticed" : "told");
+            assertThat(heard.frame()).as(which + heard.told()).isEqualTo(135);
+            assertThat(heard.hash()).as(which).isEqualTo(hashes.get(135L));
+            return;
+        } catch (CorruptException | IOException refused) {
+            count("refused");
+            assertThat(damage.files()).as(which + ": " + refused.getMessage())
+                    .anyMatch(refused.getMessage()::contains);
+            same(place, damaged, which);
+        }
+        repair(place, damaged, damage, which);
+        remove(place);
+    }
+
+    private void repair(Path place, Map<String, byte[]> damaged, Damage damage, String which)
+            throws Exception {
+        StoreCheck was;
+        Path aside;
+        try {
+            was = StoreCheck.of(place.resolve(NAME), Optional.empty());
+            same(place, damaged, which + ", checked");
+            aside = StoreCheck.repair(place.resolve(NAME), Optional.empty()).getValue()
+                    .orElseThrow();
+        } catch (CorruptException | IOException lost) {
+            count("nothing can be had back");
+            assertThat(damage.files()).as(which + ": " + lost.getMessage())
+                    .anyMatch(file -> file.equals(NAME) || file.equals(NAME + "-wal"));
+            same(place, damaged, which + ", not repaired");
+            return;
+        }
+        count("repaired");
+        same(aside, damaged, which + ", set aside");
+        Heard heard = open(place);
+        assertThat(heard.frame()).as(which).isEqualTo(was.frame());
+        assertThat(heard.hash()).as(which).isEqualTo(was.stateHash())
+                .isEqualTo(hashes.get(heard.frame()));
+    }
+
+    private void count(String outcome) {
+        counts.merge(outcome, 1, Integer::sum);
+    }
+
+    private Heard open(Path place) throws IOException {
+        List<String> told = new ArrayList<>();
+        StoredWorld world = StoredWorld.open(place.resolve(NAME), SqliteStore.Durability.NORMAL,
+                description, Pacing.FAST, Optional.empty(), told::add);
+        try (Simulation simulation = world.simulation(); SqliteStore _ = world.store()) {
+            return new Heard(simulation.loop().frame(), world.stateHash(), told);
+        }
+    }
+
+    private static List<Damage> damages(Map<String, byte[]> whole, Map<String, byte[]> older,
+            Map<String, byte[]> other) {
+        Random random = new Random(SEED);
+        List<Damage> all = new ArrayList<>();
+        whole.forEach((name, bytes) -> {
+            all.add(damage("without ", name, null));
+            all.add(damage("empty ", name, new byte[0]));
+            all.add(damage("garbage in ", name, "Dear diary".repeat(30).getBytes()));
+            for (int length : bytes.length < 2 ? new int[0] : new int[] {1, bytes.length / 2,
+                bytes.length - 1, random.nextInt(bytes.length), random.nextInt(bytes.length)}) {
+                all.add(damage("cut at byte " + length + ": ", name,
+                        Arrays.copyOf(bytes, length)));
+            }
+            for (int i = 0; i < FLIPS && bytes.length > 0; i++) {
+                int bit = random.nextInt(8 * bytes.length);
+                byte[] flipped = bytes.clone();
+                flipped[bit / 8] ^= (byte) (1 << bit % 8);
+                all.add(damage("bit " + bit + " of ", name, flipped));
+            }
+            for (int i = 0; i < 3 && bytes.length > 0; i++) {
+                byte[] zeros = bytes.clone();
+                int from = random.nextInt(bytes.length);
+                Arrays.fill(zeros, from, Math.min(bytes.length, from + 4096), (byte) 0);
+                all.add(damage("zeros from byte " + from + " on in ", name, zeros));
+            }
+            if (other.containsKey(name)) {
+                all.add(damage("another store's ", name, other.get(name)));
+            }
+            if (older.containsKey(name)) {
+                all.add(damage("an older ", name, older.get(name)));
+            }
+        });
+        List<String> frames = whole.keySet().stream().filter(name -> name.contains("-frames-"))
+                .toList();
+        all.add(without("nothing but the database", whole.keySet().stream()
+                .filter(name -> !name.equals(NAME)).toList()));
+        all.add(without("no frames", frames));
+        all.add(without("no newest frames", frames.subList(frames.size() - 2, frames.size())));
+        all.add(without("no newest frames and no manifest",
+                List.of(frames.getLast(), NAME + "-manifest")));
+        all.add(without("no database and no log", List.of(NAME, NAME + "-wal")));
+        all.add(without("no database and no manifest", List.of(NAME, NAME + "-manifest")));
+        for (String frame : frames) {
+            all.add(new Damage("another file as " + frame, List.of(frame), Map.of(frame,
+                    whole.get(frames.get((frames.indexOf(frame) + 1) % frames.size())))));
+        }
+        return all;
+    }
+
+    private static Damage damage(String what, String name, byte[] content) {
+        return new Damage(what + name, List.of(name), Collections.singletonMap(name, content));
+    }
+
+    private static Damage without(String what, List<String> names) {
+        Map<String, byte[]> gone = new HashMap<>();
+        names.forEach(name -> gone.put(name, null));
+        return new Damage(what, names, gone);
+    }
+
+    /**
+     * Goes on with a store up to a frame and ends without a last image, as if killed.
+     *
+     * @param run what the bodies are pushed by
+     */
+    private Map<String, byte[]> killedAfter(long frame, String run, Map<String, byte[]> before)
+            throws IOException {
+        Path place = Files.createTempDirectory(folder, "run");
+        write(place, before);
+        List<String> problems = Collections.synchronizedList(new ArrayList<>());
+        StoredWorld world = StoredWorld.open(place.resolve(NAME), SqliteStore.Durability.NORMAL,
+                description, Pacing.FAST, Optional.empty(), problems::add);
+        var sink = new Killed(world.store(), place, frame);
+        try (Simulation simulation = world.simulation();
+                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                        new Journal.Plan(20, true), sink, problems::add)) {
+            simulation.loop().run(0);
+            while (simulation.loop().frame() < frame) {
+                Random random = new Random((run + simulation.loop().frame()).hashCode());
+                simulation.world().find("blue").orElseThrow().physics()
+                        .set("velocity", random.nextGaussian(), 0, 0);
+                var laws = simulation.physics().laws();
+                if (simulation.loop().frame() == 125) {
+                    laws.load(125, "drag", Map.of());
+                }
+                simulation.loop().step();
+                hashes.put(simulation.loop().frame(), simulation.physics().stateHash());
+            }
+        }
+        assertThat(problems).allMatch(problem -> problem.contains("killed"));
+        return sink.left;
+    }
+
+    /** What a kill leaves of a store: everything but the image at the end. */
+    private static final class Killed implements JournalSink {
+        private final SqliteStore store;
+        private final Path place;
+        private final long last;
+        private long newest;
+        private Map<String, byte[]> left = Map.of();
+
+        Killed(SqliteStore store, Path place, long last) {
+            this.store = store;
+            this.place = place;
+            this.last = last;
+        }
+
+        @Override
+        public void write(JournalRecord record) throws IOException {
+            store.write(record);
+            if (record instanceof JournalRecord.Frame frame) {
+                newest = frame.frame();
+            }
+        }
+
+        @Override
+        public Place place() throws IOException {
+            if (newest == last) {
+                throw new IOException("killed");
+            }
+            return store.place();
+        }
+
+        @Override
+        public void sync() throws IOException {
+            store.sync();
+        }
+
+        @Override
+        public void close() throws IOException {
+            left = files(place);
+            store.close();
+        }
+    }
+
+    private static Map<String, byte[]> files(Path place) throws IOException {
+        Map<String, byte[]> files = new TreeMap<>();
+        try (Stream<Path> all = Files.list(place)) {
+            for (Path each : all.filter(Files::isRegularFile).toList()) {
+                files.put(each.getFileName().toString(), Files.readAllBytes(each));
+            }
+        }
+        return files;
+    }
+
+    private static void write(Path place, Map<String, byte[]> files) throws IOException {
+        for (Map.Entry<String, byte[]> each : files.entrySet()) {
+            Files.write(place.resolve(each.getKey()), each.getValue());
+        }
+    }
+
+    private static void same(Path place, Map<String, byte[]> expected, String which)
+            throws IOException {
+        Map<String, byte[]> found = files(place);
+        assertThat(found.keySet()).as(which).isEqualTo(expected.keySet());
+        expected.forEach((name, bytes) ->
+                assertThat(Arrays.equals(found.get(name), bytes)).as(which + ": " + name).isTrue());
+    }
+
+    private static void remove(Path place) throws IOException {
+        try (Stream<Path> all = Files.walk(place)) {
+            for (Path each : all.toList().reversed()) {
+                Files.delete(each);
+            }
+        }
+    }
+}
