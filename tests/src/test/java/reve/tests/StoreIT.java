@@ -6,12 +6,15 @@ import java.io.IOException;
 import java.nio.file.DirectoryStream;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.util.Arrays;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.atomic.AtomicLong;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
 import java.util.stream.Stream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -28,6 +31,7 @@ import reve.worlds.journal.RunLog;
 import reve.worlds.server.Replay;
 import reve.worlds.server.Simulation;
 import tools.jackson.databind.JsonNode;
+import tools.jackson.databind.json.JsonMapper;
 
 /** Real servers with real agents: killed and resumed, recorded and replayed. */
 class StoreIT {
@@ -35,6 +39,10 @@ class StoreIT {
     private static final long SEED = Long.getLong("reve.test.seed", 20261121);
     /** 200 in a long run. */
     private static final int KILLS = Integer.getInteger("reve.test.kills", 12);
+
+    /** 100 in a long run. */
+    private static final int DAMAGES = Integer.getInteger("reve.test.served.damages", 1);
+    private static final Pattern RESUMED = Pattern.compile("frame=\\d+ stateHash=[0-9a-f]{16}");
 
     @TempDir
     private Path folder;
@@ -137,7 +145,7 @@ class StoreIT {
         try (Stream<Path> left = Files.list(folder)) {
             assertThat(left.map(file -> file.getFileName().toString()))
                     .containsOnly("temporary", "server.err", "my.db", "my.db-wal",
-                            "my.db-frames-1");
+                            "my.db-frames-1", "my.db-manifest");
         }
     }
 
@@ -152,6 +160,154 @@ class StoreIT {
         assertThat(other.code()).isEqualTo(1);
         assertThat(other.err()).contains("my.db", "is called spring-orbit",
                 "the world file's icosahedron");
+    }
+
+    @Test
+    void aStoreWithoutItsDatabaseIsRefusedAndNothingOfItIsTouched() throws Exception {
+        Path store = killedStore();
+        Path gone = folder.resolve("gone.db");
+        Files.move(store, gone);
+        Map<String, Long> left = files();
+
+        Outcome refused = serve(store);
+        assertThat(refused.code()).isEqualTo(1);
+        assertThat(refused.err()).contains("my.db is missing, but", "my.db-frames-1",
+                "belong to a store", "nothing was changed").doesNotContain("\tat ");
+        Outcome lost = Reve.run("store", "repair", store.toString());
+        assertThat(lost.code()).isEqualTo(1);
+        assertThat(files()).isEqualTo(left);
+
+        Files.move(gone, store);
+        assertThat(serve(store).code()).isZero();
+    }
+
+    @Test
+    void aStoreThatLostFramesIsRefusedThenCheckedAndRepaired() throws Exception {
+        Path store = killedStore();
+        Path frames = folder.resolve("my.db-frames-1");
+        byte[] whole = Files.readAllBytes(frames);
+        byte[] half = Arrays.copyOf(whole, whole.length / 2);
+        Files.write(frames, half);
+
+        Outcome refused = serve(store);
+        assertThat(refused.code()).isEqualTo(1);
+        assertThat(refused.err()).contains("my.db-frames-1 ends at frame", "would be lost",
+                "./reve store repair " + store);
+        Outcome checked = Reve.run("store", "check", store.toString(), "--json");
+        assertThat(checked.code()).as(checked.err()).isEqualTo(1);
+        JsonNode found = new JsonMapper().readTree(checked.out());
+        assertThat(found.path("whole").asBoolean()).isFalse();
+        assertThat(found.path("frame").asLong()).isPositive()
+                .isLessThan(found.path("knownFrame").asLong());
+        assertThat(frames).hasBinaryContent(half);
+
+        Outcome repaired = Reve.run("store", "repair", store.toString());
+        assertThat(repaired.code()).as(repaired.err()).isZero();
+        assertThat(repaired.out()).contains("continues from frame " + found.path("frame").asLong());
+        assertThat(folder.resolve("my.db.damaged-1/my.db-frames-1")).hasBinaryContent(half);
+        Outcome again = Reve.run("store", "check", store.toString(), "--json");
+        assertThat(again.code()).as(again.out()).isZero();
+        assertThat(again.out()).contains(found.path("stateHash").asString());
+    }
+
+    /** Flips, cuts, empties or removes one file of a store at a time, and starts a server on it. */
+    @Test
+    void aServerGoesOnAsItWasOrNamesTheDamagedFileAndLeavesItAlone() throws Exception {
+        killedStore();
+        Map<String, byte[]> whole = contents(folder);
+        Outcome sound = serve(copy(whole, "whole"));
+        List<String> names = whole.keySet().stream().filter(name -> whole.get(name).length > 0)
+                .sorted().toList();
+        Random random = new Random(SEED);
+        int wentOn = 0;
+        for (int i = 0; i < DAMAGES; i++) {
+            String name = names.get(i % names.size());
+            Map<String, byte[]> damaged = new HashMap<>(whole);
+            byte[] bytes = damaged.remove(name).clone();
+            int kind = random.nextInt(8);
+            if (kind == 1) {
+                damaged.put(name, new byte[0]);
+            } else if (kind < 4) {
+                damaged.put(name, Arrays.copyOf(bytes, random.nextInt(bytes.length)));
+            } else if (kind > 3) {
+                bytes[random.nextInt(bytes.length)] ^= (byte) (1 << random.nextInt(8));
+                damaged.put(name, bytes);
+            }
+            String which = "damage " + i + " of kind " + kind + " to " + name + ", seed " + SEED;
+            Path store = copy(damaged, "damage" + i);
+            Outcome outcome = serve(store);
+            if (outcome.code() == 0) {
+                wentOn++;
+                assertThat(resumedAt(outcome)).as(which).isEqualTo(resumedAt(sound));
+                continue;
+            }
+            assertThat(outcome.err()).as(which).contains(name);
+            Map<String, byte[]> left = contents(store.getParent());
+            assertThat(left.keySet()).as(which).isEqualTo(damaged.keySet());
+            damaged.forEach((file, content) ->
+                    assertThat(left.get(file)).as(which + ": " + file).isEqualTo(content));
+            if (Reve.run("store", "repair", store.toString()).code() == 0) {
+                assertThat(serve(store).code()).as(which + ", repaired").isZero();
+            } else {
+                assertThat(name).as(which + ", not repaired").isEqualTo("my.db");
+            }
+        }
+        System.out.println("of " + DAMAGES + " damages, servers went on after " + wentOn);
+    }
+
+    private Path copy(Map<String, byte[]> files, String to) throws IOException {
+        Path place = Files.createDirectory(folder.resolve(to));
+        for (Map.Entry<String, byte[]> file : files.entrySet()) {
+            Files.write(place.resolve(file.getKey()), file.getValue());
+        }
+        return place.resolve("my.db");
+    }
+
+    private static Map<String, byte[]> contents(Path place) throws IOException {
+        Map<String, byte[]> contents = new HashMap<>();
+        try (DirectoryStream<Path> files = Files.newDirectoryStream(place, "my.db*")) {
+            for (Path file : files) {
+                contents.put(file.getFileName().toString(), Files.readAllBytes(file));
+            }
+        }
+        return contents;
+    }
+
+    /** Frame and state hash that a server went on from. */
+    private static String resumedAt(Outcome served) {
+        Matcher ready = RESUMED.matcher(served.out());
+        assertThat(ready.find()).as(served.out()).isTrue();
+        return ready.group();
+    }
+
+    /** Of a server that was killed after some acts; with one image. */
+    private Path killedStore() throws Exception {
+        Path store = folder.resolve("my.db");
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                "--store", store.toString()); AgentClient agent = AgentClient.connect("127.0.0.1",
+                        Integer.parseInt(server.port()), "ada")) {
+            for (int i = 0; i < 10; i++) {
+                act(agent, new Random(SEED + i));
+            }
+            server.process().destroyForcibly().onExit().join();
+        }
+        return store;
+    }
+
+    private static Outcome serve(Path store) throws Exception {
+        return Reve.run("serve", WORLD, "--port", "0", "--store", store.toString(), "--seconds",
+                "0.1", "--fast");
+    }
+
+    /** Sizes of the files of the store, by name. */
+    private Map<String, Long> files() throws IOException {
+        Map<String, Long> sizes = new HashMap<>();
+        try (DirectoryStream<Path> files = Files.newDirectoryStream(folder, "my.db*")) {
+            for (Path file : files) {
+                sizes.put(file.getFileName().toString(), Files.size(file));
+            }
+        }
+        return sizes;
     }
 
     private Process curious(String port) throws IOException {

@@ -28,6 +28,9 @@ final class Posix {
         ADDRESS, JAVA_LONG, JAVA_INT, JAVA_INT, JAVA_INT, JAVA_LONG);
     private static final MethodHandle MUNMAP = function("munmap", JAVA_INT, ADDRESS, JAVA_LONG);
     private static final MethodHandle CLOSE = function("close", JAVA_INT, JAVA_INT);
+    private static final MethodHandle STRERROR = LINKER.downcallHandle(
+        LINKER.defaultLookup().findOrThrow("strerror"), FunctionDescriptor.of(ADDRESS, JAVA_INT));
+    private static final long LONGEST_WORDS = 256;
 
     private Posix() {
     }
@@ -80,6 +83,16 @@ final class Posix {
         try (Arena call = Arena.ofConfined()) {
             MemorySegment state = call.allocate(CALL_STATE);
             return orErrno((int) CLOSE.invokeExact(state, descriptor), state);
+        } catch (Throwable t) {
+            throw unexpected(t);
+        }
+    }
+
+    /** What an errno means, in the system's words. */
+    static String words(int errno) {
+        try {
+            return ((MemorySegment) STRERROR.invokeExact(errno)).reinterpret(LONGEST_WORDS)
+                .getString(0);
         } catch (Throwable t) {
             throw unexpected(t);
         }

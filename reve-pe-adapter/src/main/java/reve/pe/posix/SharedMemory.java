@@ -11,6 +11,9 @@ public final class SharedMemory implements AutoCloseable {
     private static final int MFD_CLOEXEC = 1;
     private static final int PROT_READ_WRITE = 1 | 2;
     private static final int MAP_SHARED = 1;
+    private static final int ENOMEM = 12;
+    private static final int ENFILE = 23;
+    private static final int EMFILE = 24;
 
     private final Arena arena = Arena.ofShared();
     private final int descriptor;
@@ -72,8 +75,19 @@ public final class SharedMemory implements AutoCloseable {
 
     private static void check(String name, String what, long result) {
         if (result < 0) {
-            throw new IllegalStateException("shared memory '" + name + "': " + what
-                + " failed with errno " + -result);
+            throw new IllegalStateException("shared memory '" + name + "': " + what + " failed: "
+                + reason((int) -result));
         }
+    }
+
+    /** An errno in words, with what can be done about it. */
+    static String reason(int errno) {
+        String advice = switch (errno) {
+            case EMFILE -> "; raise the limit of open files of the process (ulimit -n)";
+            case ENFILE -> "; raise the limit of open files of the system (fs.file-max)";
+            case ENOMEM -> "; make the world smaller, or give the process more memory";
+            default -> "";
+        };
+        return Posix.words(errno) + " (errno " + errno + ")" + advice;
     }
 }

@@ -77,10 +77,17 @@ class SharedMemoryTest {
         assertThatIllegalStateException()
             .isThrownBy(() -> new SharedMemory("test", Long.MAX_VALUE))
             .withMessageStartingWith("shared memory 'test': ")
-            .withMessageContaining("failed with errno");
+            .withMessageContaining("failed: ");
         assertThatIllegalStateException()
             .isThrownBy(() -> new SharedMemory("n".repeat(250), 1))
-            .withMessageContaining("memfd_create failed with errno 22");
+            .withMessageContaining("memfd_create failed: Invalid argument (errno 22)");
+    }
+
+    @Test
+    void aLimitThatIsReachedIsNamedInWords() {
+        assertThat(SharedMemory.reason(24)).isEqualTo("Too many open files (errno 24); raise the "
+            + "limit of open files of the process (ulimit -n)");
+        assertThat(SharedMemory.reason(12)).startsWith("Cannot allocate memory (errno 12); make ");
     }
 
     private static String mappings() throws IOException {

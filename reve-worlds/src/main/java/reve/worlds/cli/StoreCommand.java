@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import picocli.CommandLine.Command;
+import picocli.CommandLine.Mixin;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
@@ -14,9 +15,9 @@ import picocli.CommandLine.Parameters;
 import picocli.CommandLine.Spec;
 import reve.worlds.server.StoreCheck;
 
-/** Checks a store that no server has open, and has back what a damaged one still holds. */
+/** Checks a store that no server has open, and recovers what a damaged one still holds. */
 @Command(name = "store",
-        description = "Checks a store that no server has open, and has back what a damaged one "
+        description = "Checks a store that no server has open, and recovers what a damaged one "
                 + "still holds.")
 public final class StoreCommand implements Runnable {
     @Spec
@@ -37,12 +38,12 @@ public final class StoreCommand implements Runnable {
 
     @Override
     public void run() {
-        throw new ParameterException(spec.commandLine(), "expected check or repair");
+        throw new ParameterException(spec.commandLine(), "expected one of check, repair");
     }
 
     @Command(name = "check", description = "Says whether a store is whole, and which frame it comes"
             + " back to. Changes nothing.")
-    int check(@picocli.CommandLine.Mixin StoreOptions options) throws Exception {
+    int check(@Mixin StoreOptions options) throws Exception {
         StoreCheck found = StoreCheck.of(options.file, options.laws);
         if (options.json) {
             Json.print(spec, found.fields());
@@ -52,9 +53,9 @@ public final class StoreCommand implements Runnable {
         return found.isWhole() ? ExitCode.OK : ExitCode.FAILURE;
     }
 
-    @Command(name = "repair", description = "Puts a whole store with what can be had back in place "
+    @Command(name = "repair", description = "Puts a whole store with what can be recovered in place "
             + "of a damaged one, whose files are kept in FILE.damaged-1.")
-    int repair(@picocli.CommandLine.Mixin StoreOptions options) throws Exception {
+    int repair(@Mixin StoreOptions options) throws Exception {
         Map.Entry<StoreCheck, Optional<Path>> done = StoreCheck.repair(options.file, options.laws);
         StoreCheck was = done.getKey();
         if (options.json) {
@@ -65,7 +66,7 @@ public final class StoreCommand implements Runnable {
         }
         print(was);
         PrintWriter out = spec.commandLine().getOut();
-        out.println(done.getValue().map(folder -> "repaired: goes on from frame " + was.frame()
+        out.println(done.getValue().map(folder -> "repaired: continues from frame " + was.frame()
                 + "; the files as they were are in " + folder).orElse("nothing to repair"));
         out.flush();
         return ExitCode.OK;
@@ -80,7 +81,7 @@ public final class StoreCommand implements Runnable {
             out.printf("comes back to frame %d, state hash %s%n", found.frame(),
                     found.fields().get("stateHash"));
         } else {
-            out.println("nothing can be had back");
+            out.println("nothing can be recovered");
         }
         if (found.knownFrame() > found.frame()) {
             out.printf("lost: frames %d to %d%n", found.frame() + 1, found.knownFrame());

@@ -14,6 +14,8 @@ import org.sqlite.SQLiteErrorCode;
 /** Why a file could not be opened, read or written, in words. */
 final class FileTrouble {
     private static final int CODE_BITS = 0xff;
+    /** Room without which SQLite does not even open a database [bytes]. */
+    private static final long ROOM = 1 << 20;
 
     private FileTrouble() {}
 
@@ -31,10 +33,7 @@ final class FileTrouble {
         }
         String reason = switch (code) {
             case SQLITE_CANTOPEN, SQLITE_READONLY, SQLITE_PERM -> whyNotOpened(file);
-            case SQLITE_FULL -> "the disk is full; make room on the disk of "
-                    + file.toAbsolutePath().getParent() + ", or move the store with all of its "
-                    + "files to another one";
-            case SQLITE_IOERR -> "the disk refused to read or write (" + e.getMessage() + ")";
+            case SQLITE_FULL, SQLITE_IOERR -> whyNotWritten(file, e);
             default -> e.getMessage();
         };
         return new IOException(file + " could not be " + what + ": " + reason, e);
@@ -53,6 +52,21 @@ final class FileTrouble {
     private static String advised(String reason) {
         return reason.contains("Too many open files") ? "Too many open files; raise the limit of "
                 + "the process (ulimit -n)" : reason;
+    }
+
+    private static String whyNotWritten(Path file, SQLException e) {
+        Path folder = file.toAbsolutePath().getParent();
+        try {
+            long free = Files.getFileStore(folder).getUsableSpace();
+            if (free < ROOM) {
+                return "the disk is full, " + free + " bytes are free, expected " + ROOM
+                        + " at least; make room on the disk of " + folder
+                        + ", or move the store with all its files to another one";
+            }
+        } catch (IOException unknown) {
+            e.addSuppressed(unknown);
+        }
+        return "the disk refused to read or write: " + e.getMessage();
     }
 
     /** SQLite does not say; the system does when it is asked for the same. */

@@ -133,7 +133,7 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    /** What is written to a file that was removed is lost: begins it anew. */
+    /** What is written to a file that was removed is lost: makes the database again. */
     private void requirePresent() throws IOException {
         if (Files.exists(file)) {
             return;

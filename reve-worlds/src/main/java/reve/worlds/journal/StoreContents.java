@@ -153,10 +153,10 @@ public final class StoreContents {
      * @param frame that it could go on from, -1 if there is none
      */
     public CorruptException refusal(String reason, long frame) {
-        String left = frame < 0 ? "Nothing of the world can be had back without them: put the "
-                + "files back from a copy, or name another file" : "It could go on from frame " + frame
+        String left = frame < 0 ? "Nothing can be recovered from these files: put them back from "
+                + "a copy, or name another file" : "It can continue from frame " + frame
                 + (known > frame ? "; frames " + (frame + 1) + " to " + known + " would be lost"
-                : "") + ". Put back what is missing from a copy, or have back what there is: "
+                : "") + ". Put back what is missing from a copy, or recover what is left: "
                 + "./reve store repair " + file;
         return new CorruptException(file + " is not whole: " + reason + ". " + left
                 + " (nothing was changed)");
@@ -172,7 +172,7 @@ public final class StoreContents {
 
     /** The number of the newest file of frames there is or was; 0 without any. */
     long lastFile() {
-        long newest = files.isEmpty() ? 0 : files.lastKey();
+        long newest = files.isEmpty() ? 0 : files.lastKey(); // also of a file that is no use
         for (StoreDatabase.ImageRow row : rows.images()) {
             newest = Math.max(newest, row.framesFile());
         }
@@ -202,7 +202,7 @@ public final class StoreContents {
             Optional<Manifest.Claim> found = Manifest.read(file);
             if (found.isEmpty() && rows.identity().isPresent()) {
                 damage.add(Manifest.path(file) + " is " + (Files.exists(Manifest.path(file))
-                        ? "empty" : "missing") + ", so that the newest frames may be, too");
+                        ? "empty" : "missing") + ", so the newest frames may be missing, too");
             }
             return found;
         } catch (CorruptException e) {
@@ -283,7 +283,8 @@ public final class StoreContents {
 
     private Optional<String> foreign(FrameFile each, RunLog.@Nullable Link before) {
         if (each.link().isEmpty()) {
-            return each.number() >= since() && !each.records().isEmpty()
+            boolean isNoFrames = claim.isPresent() && each.number() > claim.get().file() + 1;
+            return each.number() >= since() && (isNoFrames || !each.records().isEmpty())
                     ? Optional.of(each.file() + " does not say which store it belongs to")
                     : Optional.empty();
         }
@@ -323,7 +324,8 @@ public final class StoreContents {
             }
             return new FrameFile(number, path, reader.link(), records, found);
         } catch (CorruptException e) {
-            return new FrameFile(number, path, Optional.empty(), records, Optional.of(e.getMessage()));
+            return new FrameFile(number, path, Optional.empty(), records,
+                    Optional.of(e.getMessage()));
         } catch (IOException e) {
             throw FileTrouble.of(path, "read", e);
         }
@@ -350,37 +352,43 @@ public final class StoreContents {
         List<JournalRecord> after = new ArrayList<>();
         List<String> why = new ArrayList<>();
         long frame = row.frame();
-        long last = lastFile();
+        long next = row.framesFile();
         boolean gap = false;
         boolean isTail = true;
-        for (long number = row.framesFile(); number <= last; number++) {
-            FrameFile each = read.get(number);
-            if (each == null) {
-                if (number >= since()) {
-                    why.add(FrameFiles.path(file, number) + (files.containsKey(number)
-                            ? " cannot be used" : " is missing"));
-                    isTail = false;
-                }
-                continue;
-            }
+        for (FrameFile each : read.tailMap(next).values()) {
+            isTail &= !addMissing(next, each.number(), "", why);
+            next = each.number() + 1;
             for (JournalRecord record : each.records()) {
-                if (record instanceof JournalRecord.Frame next) {
-                    known = Math.max(known, next.frame());
-                    if (!gap && next.frame() != frame + 1) {
+                if (record instanceof JournalRecord.Frame made) {
+                    known = Math.max(known, made.frame());
+                    if (!gap && made.frame() != frame + 1) {
                         gap = true;
-                        why.add(each.file() + ": frame " + next.frame() + " follows frame " + frame
+                        why.add(each.file() + ": frame " + made.frame() + " follows frame " + frame
                                 + ", records are missing");
                     }
-                    frame = gap ? frame : next.frame();
+                    frame = gap ? frame : made.frame();
                 }
                 if (!gap) {
                     after.add(record);
                 }
             }
             each.damage().ifPresent(why::add);
-            isTail &= !gap && (each.damage().isEmpty() || number == last);
+            isTail &= !gap && (each.damage().isEmpty() || each.number() == lastFile());
         }
+        isTail &= !addMissing(next, lastFile() + 1, "", why);
         return new Start(row, StoreDatabase.image(file, row), after, frame, why, isTail);
+    }
+
+    /** Names the files from one number up to before another that have to be there; whether any. */
+    private boolean addMissing(long from, long before, String more, List<String> into) {
+        long first = Math.max(from, since());
+        if (first < before) {
+            String last = before - first == 1 ? ""
+                    : " to " + FrameFiles.path(file, before - 1).getFileName();
+            into.add(FrameFiles.path(file, first) + last
+                    + (files.containsKey(first) ? " cannot be used" : " is missing") + more);
+        }
+        return first < before;
     }
 
     /** What follows from what was found: is anything lost? */
@@ -416,13 +424,12 @@ public final class StoreContents {
 
     /** Files that only images before the one that is used need. */
     private void addOlderFiles(long used) {
-        for (long number = Math.max(rows.images().getLast().framesFile(), since());
-                number < used; number++) {
-            if (!files.containsKey(number)) {
-                harmless.add(FrameFiles.path(file, number)
-                        + " is missing; only older images needed it");
-            }
+        long next = rows.images().getLast().framesFile();
+        for (long number : read.headMap(used).keySet()) {
+            addMissing(next, number, "; only older images needed it", harmless);
+            next = number + 1;
         }
+        addMissing(next, used, "; only older images needed it", harmless);
         read.headMap(used).values().forEach(each -> each.damage().ifPresent(harmless::add));
     }
 

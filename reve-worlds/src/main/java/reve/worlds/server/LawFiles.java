@@ -29,7 +29,7 @@ final class LawFiles {
     /**
      * Looks among the laws that ship and in the operator's folder.
      *
-     * @param found told of each library that was found
+     * @param found receives a line about each library that was found
      */
     LawFiles(LawPath laws, Consumer<String> found) {
         folders = new ArrayList<>(List.of(laws.shipped()));

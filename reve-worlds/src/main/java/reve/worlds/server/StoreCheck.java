@@ -7,6 +7,7 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Objects;
 import java.util.Optional;
 import org.jspecify.annotations.Nullable;
 import reve.core.frame.Pacing;
@@ -17,7 +18,7 @@ import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreContents;
 
 /**
- * Says what of a store can be had back, by making its frames again, and has it back. One thread; no
+ * Says what of a store can be recovered, by making its frames again, and has it back. One thread; no
  * other process may have the store open.
  *
  * @param store the file it was asked about
@@ -47,11 +48,11 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
     }
 
     /**
-     * Puts a whole store that holds what can be had back in place of a damaged one, whose files are
+     * Puts a whole store that holds what can be recovered in place of a damaged one, whose files are
      * moved as they are to the folder STORE.damaged-N. A whole store is left alone.
      *
      * @return what the store was and, if there is one now, the folder
-     * @throws CorruptException if nothing can be had back; nothing is changed then
+     * @throws CorruptException if nothing can be recovered; nothing is changed then
      */
     public static Map.Entry<StoreCheck, Optional<Path>> repair(Path store, Optional<Path> laws)
             throws IOException {
@@ -60,7 +61,7 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
             return Map.entry(made.check(), Optional.empty());
         }
         if (made.check().frame() < 0) {
-            throw new CorruptException(store + ": nothing can be had back: "
+            throw new CorruptException(store + ": nothing can be recovered: "
                     + String.join("; ", made.check().problems()) + " (nothing was changed)");
         }
         int number = StoreContents.setAside(store).size() + 1;
@@ -177,7 +178,7 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
         try (SqliteStore store = new SqliteStore(StoreContents.read(repaired),
                 SqliteStore.Durability.FULL)) {
             JournalSink.Place place = store.place();
-            place.write(libraries, java.util.Objects.requireNonNull(image));
+            place.write(libraries, Objects.requireNonNull(image));
             for (JournalRecord record : made.contents().records()) {
                 if (record instanceof JournalRecord.Frame frame
                         && frame.frame() <= made.check().frame()) {

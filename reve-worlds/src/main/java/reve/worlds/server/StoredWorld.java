@@ -27,7 +27,7 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
 
     /**
      * @param laws where the world's laws are found, and which of the store's may be opened
-     * @param problems told of what is damaged and costs nothing
+     * @param problems receives what is damaged and costs nothing
      * @throws IOException if the store cannot be opened or read
      * @throws PhysicsException if a law of the store may not be opened, or does not load
      * @throws CorruptException if it is no store, or of another world, or not whole

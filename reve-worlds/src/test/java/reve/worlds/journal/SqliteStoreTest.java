@@ -71,7 +71,7 @@ class SqliteStoreTest {
         for (int length = whole.length - 1; length >= 0; length -= CUT_STEP) {
             Files.write(last, Arrays.copyOf(whole, length));
             refused("my.db-frames-5");
-            refused("could go on from frame 2");
+            refused("can continue from frame 2");
             assertThat(Files.size(last)).isEqualTo(length);
         }
         Files.write(last, whole);
@@ -309,6 +309,20 @@ class SqliteStoreTest {
                     .withMessageContainingAll("my.db", "locked", "in use by another process",
                             "name another file");
         }
+    }
+
+    @Test
+    void whatSqliteCannotOpenIsNamedInWords() throws Exception {
+        fill();
+        Path log = folder.resolve("my.db-wal");
+        Files.deleteIfExists(log);
+        Files.createDirectory(log);
+        assertThatExceptionOfType(IOException.class).isThrownBy(() -> StoreContents.read(file))
+                .withMessageStartingWith(file + " could not be opened: SQLite could not open a "
+                        + "file beside it; raise the limit of open files (ulimit -n)");
+        assertThatExceptionOfType(IOException.class).isThrownBy(() ->
+                StoreDatabase.open(folder.resolve("none/my.db")))
+                .withMessageContaining("there is no folder " + folder.resolve("none"));
     }
 
     private void refused(String message) {

@@ -1,10 +1,14 @@
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.sql.Connection;
+import java.sql.DriverManager;
+import java.sql.SQLException;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.Collections;
@@ -21,6 +25,7 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
+import reve.worlds.Product;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
@@ -35,7 +40,7 @@ class StoreDamageNativeTest {
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");
     private static final long SEED = Long.getLong("reve.test.seed", 20261122);
     /** 1000 in a long run. */
-    private static final int DAMAGES = Integer.getInteger("reve.test.damages", 40);
+    private static final int DAMAGES = Integer.getInteger("reve.test.damages", 12);
     private static final int FLIPS = Math.max(6, DAMAGES / 10);
     private static final String NAME = "my.db";
 
@@ -48,8 +53,8 @@ class StoreDamageNativeTest {
     /** What is done to the files of a store, by name; null removes one. */
     private record Damage(String what, List<String> files, Map<String, byte[]> content) {}
 
-    /** What was once heard of a store. */
-    private record Heard(long frame, long hash, List<String> told) {}
+    /** How a store came back. */
+    private record Resumed(long frame, long hash, List<String> problems) {}
 
     @Test
     void noDamageLosesAWorldInSilenceOrChangesAFile() throws Exception {
@@ -68,6 +73,56 @@ class StoreDamageNativeTest {
         System.out.println("of " + damages.size() + " damages " + counts);
     }
 
+    @Test
+    void aDamagedLawIsTakenFromTheDiskAndWrittenAgain() throws Exception {
+        description = WorldFile.load(WORLD);
+        Map<String, byte[]> whole = killedAfter(30, "one", Map.of());
+        write(folder, whole);
+        update("UPDATE library SET bytes = zeroblob(length(bytes))");
+        Resumed resumed = open(folder);
+        assertThat(resumed.hash()).isEqualTo(hashes.get(30L));
+        assertThat(resumed.problems()).hasSize(2).allSatisfy(problem -> assertThat(problem)
+                .contains(NAME, "the law library with the SHA-256", "the same bytes are in"));
+        write(folder, killedAfter(40, "one", files(folder)));
+        assertThat(open(folder).problems()).isEmpty();
+    }
+
+    @Test
+    void aDamagedLawThatIsNowhereElseIsRefusedByName() throws Exception {
+        description = WorldFile.load(WORLD);
+        byte[] shipped = Files.readAllBytes(Product.nativeFolder()
+                .resolve("laws/libvesper_law_drag.so"));
+        byte[] bytes = Arrays.copyOf(shipped, shipped.length + 8); // works alike
+        Path own = Files.write(Files.createDirectory(folder.resolve("laws"))
+                .resolve("libvesper_law_drag.so"), bytes);
+        Path store = folder.resolve(NAME);
+        StoredWorld world = StoredWorld.open(store, SqliteStore.Durability.NORMAL, description,
+                Pacing.FAST, Optional.empty(), problem -> { });
+        try (Simulation simulation = world.simulation();
+                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                        new Journal.Plan(20, true), world.store(), problem -> { })) {
+            simulation.loop().run(0);
+            try (var prepared = simulation.engine().prepare(own.toString())) {
+                simulation.physics().laws().load(0, prepared, Map.of());
+            }
+            simulation.loop().run(30);
+        }
+        update("UPDATE library SET bytes = zeroblob(length(bytes))");
+        Map<String, byte[]> damaged = files(folder);
+        assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> open(folder))
+                .withMessageContaining("the law library drag (SHA-256 ")
+                .withMessageContaining("--laws");
+        same(folder, damaged, "refused");
+        assertThat(StoreCheck.of(store, Optional.of(own.getParent())).isWhole()).isTrue();
+    }
+
+    private void update(String sql) throws SQLException {
+        try (Connection connection = DriverManager.getConnection("jdbc:sqlite:"
+                + folder.resolve(NAME)); var statement = connection.createStatement()) {
+            statement.executeUpdate(sql);
+        }
+    }
+
     private void suffer(Map<String, byte[]> whole, Damage damage) throws Exception {
         Path place = Files.createTempDirectory(folder, "damaged");
         Map<String, byte[]> damaged = new TreeMap<>(whole);
@@ -80,10 +135,10 @@ class StoreDamageNativeTest {
         write(place, damaged);
         String which = damage.what() + " (seed " + SEED + ")";
         try {
-            Heard heard = open(place);
-            count(heard.told().isEmpty() ? "unnoticed" : "told");
-            assertThat(heard.frame()).as(which + heard.told()).isEqualTo(135);
-            assertThat(heard.hash()).as(which).isEqualTo(hashes.get(135L));
+            Resumed resumed = open(place);
+            count(resumed.problems().isEmpty() ? "without a message" : "with a message");
+            assertThat(resumed.frame()).as(which + resumed.problems()).isEqualTo(135);
+            assertThat(resumed.hash()).as(which).isEqualTo(hashes.get(135L));
             return;
         } catch (CorruptException | IOException refused) {
             count("refused");
@@ -105,7 +160,7 @@ class StoreDamageNativeTest {
             aside = StoreCheck.repair(place.resolve(NAME), Optional.empty()).getValue()
                     .orElseThrow();
         } catch (CorruptException | IOException lost) {
-            count("nothing can be had back");
+            count("nothing can be recovered");
             assertThat(damage.files()).as(which + ": " + lost.getMessage())
                     .anyMatch(file -> file.equals(NAME) || file.equals(NAME + "-wal"));
             same(place, damaged, which + ", not repaired");
@@ -113,22 +168,22 @@ class StoreDamageNativeTest {
         }
         count("repaired");
         same(aside, damaged, which + ", set aside");
-        Heard heard = open(place);
-        assertThat(heard.frame()).as(which).isEqualTo(was.frame());
-        assertThat(heard.hash()).as(which).isEqualTo(was.stateHash())
-                .isEqualTo(hashes.get(heard.frame()));
+        Resumed resumed = open(place);
+        assertThat(resumed.frame()).as(which).isEqualTo(was.frame());
+        assertThat(resumed.hash()).as(which).isEqualTo(was.stateHash())
+                .isEqualTo(hashes.get(resumed.frame()));
     }
 
     private void count(String outcome) {
         counts.merge(outcome, 1, Integer::sum);
     }
 
-    private Heard open(Path place) throws IOException {
-        List<String> told = new ArrayList<>();
+    private Resumed open(Path place) throws IOException {
+        List<String> problems = new ArrayList<>();
         StoredWorld world = StoredWorld.open(place.resolve(NAME), SqliteStore.Durability.NORMAL,
-                description, Pacing.FAST, Optional.empty(), told::add);
+                description, Pacing.FAST, Optional.empty(), problems::add);
         try (Simulation simulation = world.simulation(); SqliteStore _ = world.store()) {
-            return new Heard(simulation.loop().frame(), world.stateHash(), told);
+            return new Resumed(simulation.loop().frame(), world.stateHash(), problems);
         }
     }
 
@@ -220,7 +275,8 @@ class StoreDamageNativeTest {
                 hashes.put(simulation.loop().frame(), simulation.physics().stateHash());
             }
         }
-        assertThat(problems).allMatch(problem -> problem.contains("killed"));
+        assertThat(problems).allMatch(problem -> problem.contains("killed")
+                || problem.contains("the same bytes are in"));
         return sink.left;
     }
 
