@@ -53,8 +53,8 @@ public final class StoreCommand implements Runnable {
         return found.isWhole() ? ExitCode.OK : ExitCode.FAILURE;
     }
 
-    @Command(name = "repair", description = "Puts a whole store with what can be recovered in place "
-            + "of a damaged one, whose files are kept in FILE.damaged-1.")
+    @Command(name = "repair", description = "Puts a whole store with what can be recovered in "
+            + "place of a damaged one, and keeps its files in FILE.damaged-1.")
     int repair(@Mixin StoreOptions options) throws Exception {
         Map.Entry<StoreCheck, Optional<Path>> done = StoreCheck.repair(options.file, options.laws);
         StoreCheck was = done.getKey();

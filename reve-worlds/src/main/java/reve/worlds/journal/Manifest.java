@@ -18,7 +18,8 @@ import reve.core.store.CorruptException;
  * files that hold less than it claims have lost something. Any thread.
  */
 final class Manifest implements AutoCloseable {
-    private static final byte[] MARK = "REVE store manifest 1\n".getBytes(StandardCharsets.US_ASCII);
+    private static final byte[] MARK =
+            "REVE store manifest 1\n".getBytes(StandardCharsets.US_ASCII);
     private static final int BYTES = MARK.length + 10 * Long.BYTES + Integer.BYTES;
     private static final Path BOOT = Path.of("/proc/sys/kernel/random/boot_id");
 

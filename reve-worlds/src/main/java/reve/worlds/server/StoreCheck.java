@@ -9,6 +9,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Objects;
 import java.util.Optional;
+import java.util.stream.Stream;
 import org.jspecify.annotations.Nullable;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
@@ -18,8 +19,8 @@ import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreContents;
 
 /**
- * Says what of a store can be recovered, by making its frames again, and has it back. One thread; no
- * other process may have the store open.
+ * Finds out what of a store can be recovered, by making its frames again, and recovers it. One
+ * thread; no other process may have the store open.
  *
  * @param store the file it was asked about
  * @param isWhole whether nothing is lost
@@ -48,8 +49,8 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
     }
 
     /**
-     * Puts a whole store that holds what can be recovered in place of a damaged one, whose files are
-     * moved as they are to the folder STORE.damaged-N. A whole store is left alone.
+     * Puts a whole store that holds what can be recovered in place of a damaged one. The damaged
+     * files move as they are to the folder STORE.damaged-N. A whole store stays as it is.
      *
      * @return what the store was and, if there is one now, the folder
      * @throws CorruptException if nothing can be recovered; nothing is changed then
@@ -72,7 +73,13 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
                 store.resolveSibling(store.getFileName() + ".damaged-" + number));
         Path place = Files.createDirectory(aside.resolve("repaired"));
         Path repaired = place.resolve(store.getFileName());
-        write(made, repaired);
+        try {
+            write(made, repaired);
+        } catch (IOException | RuntimeException e) {
+            removeFolder(place);
+            Files.delete(aside);
+            throw e;
+        }
         for (Path file : made.contents().files()) {
             Files.move(file, aside.resolve(file.getFileName()));
         }
@@ -83,6 +90,15 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
         }
         Files.delete(place);
         return Map.entry(made.check(), Optional.of(aside));
+    }
+
+    private static void removeFolder(Path folder) throws IOException {
+        try (Stream<Path> files = Files.list(folder)) {
+            for (Path file : files.toList()) {
+                Files.delete(file);
+            }
+        }
+        Files.delete(folder);
     }
 
     /** For JSON, in order. */
