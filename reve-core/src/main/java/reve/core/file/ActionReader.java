@@ -56,7 +56,9 @@ final class ActionReader {
         }
         Optional<Node> java = node.get("java");
         if (java.isPresent() == node.get("effects").isPresent()) {
-            problems.addAtKey(node, "an action has either `effects` or `java`");
+            if (!problems.isMisspelt(node)) {
+                problems.addAtKey(node, "an action has either `effects` or `java`");
+            }
             return Optional.empty();
         }
         return java.isPresent() ? provided(node, java.get(), owner) : declared(node, owner);

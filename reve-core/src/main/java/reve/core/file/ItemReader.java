@@ -136,7 +136,7 @@ final class ItemReader {
             bodies.check(node, item.build());
             return Optional.of(item.build());
         } catch (IllegalArgumentException refused) {
-            return refuse(node, refused.getMessage());
+            return refuse(node.get("name").orElse(node), refused.getMessage());
         }
     }
 

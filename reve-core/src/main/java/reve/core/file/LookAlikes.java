@@ -4,9 +4,11 @@ import com.ibm.icu.text.SpoofChecker;
 import java.lang.Character.UnicodeScript;
 import java.nio.charset.CharsetEncoder;
 import java.nio.charset.StandardCharsets;
+import java.text.Normalizer;
 import java.util.Collection;
 import java.util.EnumSet;
 import java.util.HashMap;
+import java.util.HashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Set;
@@ -25,6 +27,8 @@ final class LookAlikes {
     private final SpoofChecker checker = new SpoofChecker.Builder()
             .setChecks(SpoofChecker.CONFUSABLE).build();
 
+    private final Set<String> warned = new HashSet<>();
+
     private LookAlikes(Problems problems) {
         this.problems = problems;
     }
@@ -42,27 +46,32 @@ final class LookAlikes {
         Map<String, Node> bySkeleton = new HashMap<>();
         boolean likeAscii = false;
         for (Node name : others) {
-            String skeleton = checker.getSkeleton(text(name));
+            String skeleton = skeleton(name);
             likeAscii |= ascii.canEncode(skeleton);
             Node first = bySkeleton.putIfAbsent(skeleton, name);
             if (first != null) {
                 warn(name, first);
-            } else {
-                warnOfMixedWords(name);
             }
         }
         if (likeAscii) {
             for (Node name : names) {
-                Node other = ascii.canEncode(text(name))
-                        ? bySkeleton.get(checker.getSkeleton(text(name))) : null;
+                Node other = ascii.canEncode(text(name)) ? bySkeleton.get(skeleton(name)) : null;
                 if (other != null) {
                     warn(other, name);
                 }
             }
         }
+        others.stream().filter(name -> !warned.contains(text(name)))
+                .forEach(this::warnOfMixedWords);
+    }
+
+    /** Of the compatible letters: those of full width look like any others. */
+    private String skeleton(Node name) {
+        return checker.getSkeleton(Normalizer.normalize(text(name), Normalizer.Form.NFKC));
     }
 
     private void warn(Node name, Node other) {
+        warned.add(text(name));
         problems.warn(name, "name: `" + Node.shorten(text(name)) + "` looks like `"
                 + Node.shorten(text(other)) + "` " + Problems.place(other, name)
                 + ", but has other characters; write them alike or choose another name");

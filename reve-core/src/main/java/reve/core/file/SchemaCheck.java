@@ -163,6 +163,7 @@ final class SchemaCheck {
                     + ", expected at least " + rule + " in it";
             case "maxItems", "maxProperties" -> "found " + node.describe() + ", expected at most "
                     + rule + " in it";
+            case "uniqueItems" -> "found the same twice, expected each once";
             case "dependentRequired" -> "`body` is missing, which `places` are for";
             default -> error.getMessage();
         };

@@ -107,7 +107,7 @@ class WorldFileProblemsTest {
             physical: {shape: sphere}                   ! 21 ! shape sphere needs `radius`
             physical: {radius: 1}                       ! 14 ! `radius` without a `shape`
             physical: {shape: box, size: 3}             ! 32 ! size: found 1 number, expected 3 numbers in m
-            physical: {shape: sphere, radius: 0}        ! 21 ! radius of sphere is 0.0, expected a positive length of at most 1e12 m
+            physical: {shape: sphere, radius: 0}         ! 37 ! radius of sphere is 0.0, expected a positive length of at most 1e12 m
             physical: {shape: sphere, radius: 1, size: 2} ! 40 ! `size` does not go with shape sphere, which takes `radius`
             physical: {colour: red}                     ! 22 ! colour: found text `red`, expected "#rrggbb" or "#rrggbbaa", in quotes
             physical: {location: [1, 2, .inf]}          ! 31 ! `.inf` is not a finite number
