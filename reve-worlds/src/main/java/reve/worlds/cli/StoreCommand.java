@@ -28,9 +28,8 @@ public final class StoreCommand implements Runnable {
         @Parameters(paramLabel = "FILE", description = "The store, as serve --store names it.")
         private Path file = Path.of("");
 
-        @Option(names = "--laws", paramLabel = "DIR",
-                description = "Folder with law libraries, in place of damaged ones in the store.")
-        private Optional<Path> laws = Optional.empty();
+        @Mixin
+        private LawOptions laws = new LawOptions();
 
         @Option(names = "--json", description = "Print the result as one JSON document.")
         private boolean json;
@@ -44,7 +43,7 @@ public final class StoreCommand implements Runnable {
     @Command(name = "check", description = "Says whether a store is whole, and which frame it comes"
             + " back to. Changes nothing.")
     int check(@Mixin StoreOptions options) throws Exception {
-        StoreCheck found = StoreCheck.of(options.file, options.laws);
+        StoreCheck found = StoreCheck.of(options.file, options.laws.path(spec));
         if (options.json) {
             Json.print(spec, found.fields());
         } else {
@@ -56,7 +55,8 @@ public final class StoreCommand implements Runnable {
     @Command(name = "repair", description = "Puts a whole store with what can be recovered in "
             + "place of a damaged one, and keeps its files in FILE.damaged-1.")
     int repair(@Mixin StoreOptions options) throws Exception {
-        Map.Entry<StoreCheck, Optional<Path>> done = StoreCheck.repair(options.file, options.laws);
+        Map.Entry<StoreCheck, Optional<Path>> done = StoreCheck.repair(options.file,
+                options.laws.path(spec));
         StoreCheck was = done.getKey();
         if (options.json) {
             Map<String, Object> fields = new LinkedHashMap<>(was.fields());

@@ -13,6 +13,7 @@ import java.util.stream.Stream;
 import org.jspecify.annotations.Nullable;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
+import reve.pe.PhysicsException;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
 import reve.worlds.journal.SqliteStore;
@@ -40,11 +41,12 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
     /**
      * Checks a store without changing it.
      *
-     * @param laws folder of law libraries, in place of damaged ones
+     * @param laws where damaged laws are found, and which of the store's may be opened
      * @throws CorruptException if it is no store
      * @throws IOException if it cannot be read, or another process has it open
+     * @throws PhysicsException if a law of it may not be opened
      */
-    public static StoreCheck of(Path store, Optional<Path> laws) throws IOException {
+    public static StoreCheck of(Path store, LawPath laws) throws IOException {
         return made(store, laws).check();
     }
 
@@ -55,7 +57,7 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
      * @return what the store was and, if there is one now, the folder
      * @throws CorruptException if nothing can be recovered; nothing is changed then
      */
-    public static Map.Entry<StoreCheck, Optional<Path>> repair(Path store, Optional<Path> laws)
+    public static Map.Entry<StoreCheck, Optional<Path>> repair(Path store, LawPath laws)
             throws IOException {
         Made made = made(store, laws);
         if (made.check().problems().isEmpty()) {
@@ -129,6 +131,9 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
                             + " from what was journalled (damage, or another processor or version "
                             + "of REVE)"));
                 }
+            } catch (PhysicsException refused) {
+                throw new PhysicsException(refused.status(),
+                        contents.file() + ": " + refused.getMessage());
             } catch (CorruptException e) {
                 boolean laws = before < 0 && !contents.damagedLibraries().isEmpty();
                 return Optional.of(new End(before, e.getMessage() + (laws ? "; put the same "
@@ -138,7 +143,7 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
         return Optional.empty();
     }
 
-    private static Made made(Path store, Optional<Path> laws) throws IOException {
+    private static Made made(Path store, LawPath laws) throws IOException {
         StoreContents contents = StoreContents.read(store);
         if (contents.isEmpty()) {
             throw new CorruptException(store + (Files.exists(store) ? " is an empty store"
@@ -149,22 +154,23 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
         Optional<End> end;
         long frame;
         long hash;
-        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, found::find)) {
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws, found::find)) {
             end = make(replay, contents);
             end.ifPresent(early -> problems.add(early.reason()));
             frame = end.map(End::frame).orElse(replay.frame());
             hash = end.isPresent() || frame < 0 ? 0 : hash(replay);
         }
         if (end.isPresent() && frame >= 0) {
-            hash = hashAt(contents, found, frame);
+            hash = hashAt(contents, laws, found, frame);
         }
         return new Made(contents, found, new StoreCheck(store,
                 contents.isWhole() && end.isEmpty(), frame,
                 Math.max(frame, contents.knownFrame()), hash, List.copyOf(problems)));
     }
 
-    private static long hashAt(StoreContents contents, LawFiles laws, long frame) {
-        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws::find)) {
+    private static long hashAt(StoreContents contents, LawPath laws, LawFiles found,
+            long frame) {
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST, laws, found::find)) {
             for (JournalRecord record : contents.records()) {
                 if (!replay.take(record, frame) && replay.frame() == frame) {
                     break;

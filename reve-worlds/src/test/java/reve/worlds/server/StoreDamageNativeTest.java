@@ -42,6 +42,7 @@ class StoreDamageNativeTest {
     /** 1000 in a long run. */
     private static final int DAMAGES = Integer.getInteger("reve.test.damages", 12);
     private static final int FLIPS = Math.max(6, DAMAGES / 10);
+    private static final LawPath LAWS = LawPath.ofShipped();
     private static final String NAME = "my.db";
 
     @TempDir
@@ -95,14 +96,16 @@ class StoreDamageNativeTest {
         byte[] bytes = Arrays.copyOf(shipped, shipped.length + 8); // works alike
         Path own = Files.write(Files.createDirectory(folder.resolve("laws"))
                 .resolve("libvesper_law_drag.so"), bytes);
+        LawPath laws = new LawPath(LAWS.shipped(), Optional.of(own.getParent()),
+                Optional.empty(), false);
         Path store = folder.resolve(NAME);
         StoredWorld world = StoredWorld.open(store, SqliteStore.Durability.NORMAL, description,
-                Pacing.FAST, Optional.empty(), problem -> { });
+                Pacing.FAST, laws, problem -> { });
         try (Simulation simulation = world.simulation();
                 Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
                         new Journal.Plan(20, true), world.store(), problem -> { })) {
             simulation.loop().run(0);
-            try (var prepared = simulation.engine().prepare(own.toString())) {
+            try (var prepared = simulation.engine().prepare(own)) {
                 simulation.physics().laws().load(0, prepared, Map.of());
             }
             simulation.loop().run(30);
@@ -113,7 +116,7 @@ class StoreDamageNativeTest {
                 .withMessageContaining("the law library drag (SHA-256 ")
                 .withMessageContaining("--laws");
         same(folder, damaged, "refused");
-        assertThat(StoreCheck.of(store, Optional.of(own.getParent())).isWhole()).isTrue();
+        assertThat(StoreCheck.of(store, laws).isWhole()).isTrue();
     }
 
     private void update(String sql) throws SQLException {
@@ -155,9 +158,9 @@ class StoreDamageNativeTest {
         StoreCheck was;
         Path aside;
         try {
-            was = StoreCheck.of(place.resolve(NAME), Optional.empty());
+            was = StoreCheck.of(place.resolve(NAME), LAWS);
             same(place, damaged, which + ", checked");
-            aside = StoreCheck.repair(place.resolve(NAME), Optional.empty()).getValue()
+            aside = StoreCheck.repair(place.resolve(NAME), LAWS).getValue()
                     .orElseThrow();
         } catch (CorruptException | IOException lost) {
             count("nothing can be recovered");
@@ -181,7 +184,7 @@ class StoreDamageNativeTest {
     private Resumed open(Path place) throws IOException {
         List<String> problems = new ArrayList<>();
         StoredWorld world = StoredWorld.open(place.resolve(NAME), SqliteStore.Durability.NORMAL,
-                description, Pacing.FAST, Optional.empty(), problems::add);
+                description, Pacing.FAST, LAWS, problems::add);
         try (Simulation simulation = world.simulation(); SqliteStore _ = world.store()) {
             return new Resumed(simulation.loop().frame(), world.stateHash(), problems);
         }
@@ -257,7 +260,7 @@ class StoreDamageNativeTest {
         write(place, before);
         List<String> problems = Collections.synchronizedList(new ArrayList<>());
         StoredWorld world = StoredWorld.open(place.resolve(NAME), SqliteStore.Durability.NORMAL,
-                description, Pacing.FAST, Optional.empty(), problems::add);
+                description, Pacing.FAST, LAWS, problems::add);
         var sink = new Killed(world.store(), place, frame);
         try (Simulation simulation = world.simulation();
                 Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
