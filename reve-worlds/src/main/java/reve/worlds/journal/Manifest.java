@@ -21,12 +21,14 @@ final class Manifest implements AutoCloseable {
     private static final byte[] MARK =
             "REVE store manifest 1\n".getBytes(StandardCharsets.US_ASCII);
     private static final int BYTES = MARK.length + 10 * Long.BYTES + Integer.BYTES;
+    private static final int FRAME_AT = MARK.length + 6 * Long.BYTES;
     private static final Path BOOT = Path.of("/proc/sys/kernel/random/boot_id");
 
     private final Path file;
     private final FileChannel channel;
-    private final ByteBuffer block = ByteBuffer.allocate(BYTES);
+    private final ByteBuffer block = ByteBuffer.allocateDirect(BYTES);
     private Claim claim;
+    private long frame;
 
     /**
      * What a manifest says.
@@ -93,7 +95,7 @@ final class Manifest implements AutoCloseable {
         }
         ByteBuffer block = ByteBuffer.wrap(bytes);
         if (bytes.length != BYTES || !ByteBuffer.wrap(MARK).equals(block.slice(0, MARK.length))
-                || block.getInt(BYTES - Integer.BYTES) != sum(bytes)) {
+                || block.getInt(BYTES - Integer.BYTES) != sum(block)) {
             throw new CorruptException(file + " is damaged");
         }
         block.position(MARK.length);
@@ -104,20 +106,21 @@ final class Manifest implements AutoCloseable {
 
     /** Another file of frames has begun. */
     synchronized void begin(long number, long id) throws IOException {
-        write(new Claim(claim.store, claim.boot, number, id, claim.frame, claim.image,
+        write(new Claim(claim.store, claim.boot, number, id, frame, claim.image,
                 claim.imageFrame, claim.imageSum));
     }
 
     /** A frame was written. */
-    synchronized void reach(long frame) throws IOException {
-        write(new Claim(claim.store, claim.boot, claim.file, claim.fileId, frame, claim.image,
-                claim.imageFrame, claim.imageSum));
+    synchronized void reach(long newest) throws IOException {
+        frame = newest;
+        block.putLong(FRAME_AT, newest);
+        write();
     }
 
     /** An image was written. */
-    synchronized void keep(long image, long frame, long sum) throws IOException {
+    synchronized void keep(long image, long itsFrame, long sum) throws IOException {
         write(new Claim(claim.store, claim.boot, claim.file, claim.fileId,
-                Math.max(claim.frame, frame), image, frame, sum));
+                Math.max(frame, itsFrame), image, itsFrame, sum));
     }
 
     /** Whether the file is still where it was made. */
@@ -130,7 +133,8 @@ final class Manifest implements AutoCloseable {
     }
 
     synchronized Claim claim() {
-        return claim;
+        return new Claim(claim.store, claim.boot, claim.file, claim.fileId, frame, claim.image,
+                claim.imageFrame, claim.imageSum);
     }
 
     @Override
@@ -144,7 +148,13 @@ final class Manifest implements AutoCloseable {
         put(now.boot);
         block.putLong(now.file).putLong(now.fileId).putLong(now.frame).putLong(now.image)
                 .putLong(now.imageFrame).putLong(now.imageSum);
-        block.putInt(sum(block.array())).flip();
+        claim = now;
+        frame = now.frame;
+        write();
+    }
+
+    private void write() throws IOException {
+        block.putInt(BYTES - Integer.BYTES, sum(block)).clear();
         try {
             for (int at = 0; block.hasRemaining(); ) {
                 at += channel.write(block, at);
@@ -152,16 +162,15 @@ final class Manifest implements AutoCloseable {
         } catch (IOException e) {
             throw failed(e);
         }
-        claim = now;
     }
 
     private void put(UUID id) {
         block.putLong(id.getMostSignificantBits()).putLong(id.getLeastSignificantBits());
     }
 
-    private static int sum(byte[] bytes) {
+    private static int sum(ByteBuffer block) {
         var crc = new CRC32C();
-        crc.update(bytes, 0, BYTES - Integer.BYTES);
+        crc.update(block.slice(0, BYTES - Integer.BYTES));
         return (int) crc.getValue();
     }
 
