@@ -73,8 +73,7 @@ public record Terms(List<String> needs, List<Expression> conditions) {
     private static String found(Expression condition, Bindings names) {
         List<String> found = new ArrayList<>();
         for (String name : condition.uses()) {
-            found.add(name + " is "
-                    + names.value(name).map(Object::toString).orElse("missing"));
+            found.add(name + " is " + names.described(name));
         }
         return found.isEmpty() ? "it never does" : String.join(", ", found);
     }

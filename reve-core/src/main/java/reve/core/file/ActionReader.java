@@ -24,12 +24,16 @@ import reve.core.world.ParameterType;
 
 /** Reads the actions of access aspects, and refuses those that could never work. */
 final class ActionReader {
+    /** Most different conditions and values of actions in one world. */
+    static final int MAX_EXPRESSIONS = 5000;
+
     private final PhysicsReader physics;
     private final Definitions definitions;
     private final Problems problems;
     private final Quantities quantities;
     /** Actions of many items share their scopes, and so what they have in common is read once. */
     private final Map<ScopeKey, Scope> scopes = new HashMap<>();
+    private final Allowance expressions = new Allowance(MAX_EXPRESSIONS);
 
     /** Reads the items that actions create. */
     interface Definitions {
@@ -67,7 +71,8 @@ final class ActionReader {
     private Optional<Action> declared(Node node, Owner owner) throws WorldFileException {
         Map<String, Optional<Parameter>> parameters = parameters(node);
         List<Parameter> known = parameters.values().stream().flatMap(Optional::stream).toList();
-        var operands = new OperandReader(physics, problems, parameters, scope(owner, known));
+        var operands = new OperandReader(physics, problems, parameters, scope(owner, known),
+                expressions);
         Terms terms = terms(node, operands);
         List<Effect> effects = new ArrayList<>();
         var reader = new EffectReader(node.key(), owner, physics, operands, definitions, problems);
@@ -107,7 +112,7 @@ final class ActionReader {
         provider.get().parameters().forEach(
                 parameter -> parameters.put(parameter.name(), Optional.of(parameter)));
         var operands = new OperandReader(physics, problems, parameters,
-                scope(owner, provider.get().parameters()));
+                scope(owner, provider.get().parameters()), expressions);
         String doc = node.get("doc").isPresent() ? doc(node) : provider.get().doc();
         return Optional.of(
                 new ProvidedAction(node.key(), doc, terms(node, operands), provider.get()));

@@ -36,15 +36,20 @@ final class OperandReader {
     private final Quantities quantities;
     private final Map<String, Optional<Parameter>> parameters;
     private final Scope scope;
+    private final Allowance expressions;
 
-    /** @param parameters by name; empty where the declaration is wrong, which was reported */
+    /**
+     * @param parameters by name; empty where the declaration is wrong, which was reported
+     * @param expressions how many more different ones the actions of the world may have
+     */
     OperandReader(PhysicsReader physics, Problems problems,
-            Map<String, Optional<Parameter>> parameters, Scope scope) {
+            Map<String, Optional<Parameter>> parameters, Scope scope, Allowance expressions) {
         this.physics = physics;
         this.problems = problems;
         this.quantities = new Quantities(problems);
         this.parameters = parameters;
         this.scope = scope;
+        this.expressions = expressions;
     }
 
     Map<String, Optional<Parameter>> parameters() {
@@ -129,6 +134,12 @@ final class OperandReader {
 
     /** An expression that is not behind a {@code $}. */
     Optional<Expression> expression(Node node, String text, int begin, ExpressionType expected) {
+        if (!scope.knows(text) && !expressions.take(1)) {
+            problems.add(node, node.label() + ": the actions of the world have more than "
+                    + ActionReader.MAX_EXPRESSIONS + " different expressions, which is the limit: "
+                    + "let actions share conditions and values, as those of a prefab do");
+            return Optional.empty();
+        }
         try {
             Expression expression = scope.compile(text);
             if (!expression.type().suits(expected)) {

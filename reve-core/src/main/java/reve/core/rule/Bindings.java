@@ -10,6 +10,9 @@ import reve.core.world.Item;
  * whatever else its {@link Scope} knows. Numbers are in SI units. World's thread.
  */
 public final class Bindings {
+    /** Most characters of one value in a message. */
+    private static final int MAX_DESCRIPTION = 100;
+
     private final Scope scope;
     private final ItemNames item;
     private final Map<String, Object> others = new HashMap<>();
@@ -39,8 +42,18 @@ public final class Bindings {
         return this;
     }
 
-    /** What a name in full stands for now: {@code actor.physics.mass}. */
-    public Optional<Object> value(String nameInFull) {
+    /** For messages, what a name in full stands for now: {@code actor.physics.mass}. */
+    public String described(String nameInFull) {
+        return value(nameInFull).map(value -> shortened(value.toString(), MAX_DESCRIPTION))
+                .orElse("missing");
+    }
+
+    /** The beginning of a text that may be long. */
+    static String shortened(String text, int most) {
+        return text.length() <= most ? text : text.substring(0, most) + "…";
+    }
+
+    private Optional<Object> value(String nameInFull) {
         String[] parts = nameInFull.split("\\.");
         Optional<Object> value = find(parts[0]);
         for (int i = 1; i < parts.length && value.isPresent(); i++) {

@@ -17,25 +17,29 @@ import reve.core.world.Parameter;
 
 /**
  * An expression that was understood. Immutable; evaluated on the world's thread, because what it
- * reads lives there. Its cost is bounded: it has at most 250 parts, and loops end after 1000
- * rounds.
+ * reads lives there. Its cost is bounded: a {@link Meter} ends an evaluation of too many steps.
  */
 public final class Expression {
     private static final Pattern PLACE = Pattern.compile("evaluation error( at <input>:\\d+)?: ");
+
+    /** Most characters of why there is no value; it may quote values. */
+    private static final int MAX_REASON = 300;
 
     private final String text;
     private final ExpressionType type;
     private final Set<String> uses;
     private final Scope scope;
     private final CelRuntime.Program program;
+    private final Cost cost;
 
     Expression(Scope scope, String text, ExpressionType type, Set<String> uses,
-            CelRuntime.Program program) {
+            CelRuntime.Program program, Cost cost) {
         this.scope = scope;
         this.text = text;
         this.type = type;
         this.uses = Collections.unmodifiableSet(uses);
         this.program = program;
+        this.cost = cost;
     }
 
     /** As it was written. */
@@ -79,7 +83,10 @@ public final class Expression {
     public Object evaluate(Bindings bindings) throws EvaluationException {
         try {
             CelVariableResolver resolver = bindings::find;
-            return value(program.eval(resolver));
+            return value(program.trace(resolver, new Meter(cost)));
+        } catch (Meter.Exceeded exceeded) {
+            throw failed("takes more than " + Meter.MAX_STEPS + " steps, which no expression may: "
+                    + "let it loop over less, or over shorter texts and lists");
         } catch (CelEvaluationException failed) {
             throw failed(PLACE.matcher(String.valueOf(failed.getMessage())).replaceFirst(""));
         }
@@ -143,7 +150,8 @@ public final class Expression {
     }
 
     private EvaluationException failed(String why) {
-        return new EvaluationException("`" + text + "`: " + why);
+        return new EvaluationException("`" + text + "`: "
+                + Bindings.shortened(why, MAX_REASON));
     }
 
     @Override

@@ -94,7 +94,8 @@ final class Functions {
         double[] vector = new double[list.size()];
         for (int i = 0; i < vector.length; i++) {
             if (!(list.get(i) instanceof Number number)) {
-                throw new IllegalArgumentException("expected a list of numbers, found " + list);
+                throw new IllegalArgumentException("expected a list of numbers, found a "
+                        + "list with something else at [" + i + "]");
             }
             vector[i] = number.doubleValue();
         }

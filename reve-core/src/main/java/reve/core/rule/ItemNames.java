@@ -2,15 +2,18 @@ package reve.core.rule;
 
 import java.util.AbstractMap;
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Set;
 import java.util.function.Function;
 import java.util.function.Supplier;
 import org.jspecify.annotations.Nullable;
 import reve.core.world.Item;
 import reve.core.world.PropertyDescriptor;
+import reve.core.world.Relations;
 
 /** An item as expressions see it: maps that read its aspects when they are asked. */
 final class ItemNames {
@@ -22,6 +25,8 @@ final class ItemNames {
     private final Map<String, Object> physical;
     private final Map<String, Object> semantic;
     private final Map<String, Object> self;
+    /** The relations of the item that were worked out: a loop may ask for one in every round. */
+    private final Map<String, Optional<Object>> relations = new HashMap<>();
 
     ItemNames(KindNames kind) {
         this.kind = kind;
@@ -33,6 +38,7 @@ final class ItemNames {
 
     void of(Item newItem) {
         item = newItem;
+        relations.clear();
     }
 
     /** An aspect, {@code item}, or a declared symbol in full; else null. */
@@ -96,7 +102,10 @@ final class ItemNames {
     }
 
     private @Nullable Object semantic(String name) {
-        Object value = required().semantic().get(name).orElse(null);
+        Item present = required();
+        Object value = (Relations.NAMES.contains(name)
+                ? relations.computeIfAbsent(name, relation -> present.semantic().get(relation))
+                : present.semantic().get(name)).orElse(null);
         return value instanceof Double number ? kind.toSi(name, number) : value;
     }
 
@@ -117,7 +126,7 @@ final class ItemNames {
     }
 
     /** Asked by the language for one name at a time; walked through only by its macros. */
-    private static final class View extends AbstractMap<String, Object> {
+    static final class View extends AbstractMap<String, Object> {
         private final Supplier<Set<String>> names;
         private final Function<String, @Nullable Object> values;
 
@@ -135,6 +144,11 @@ final class ItemNames {
         @Override
         public boolean containsKey(@Nullable Object key) {
             return get(key) != null;
+        }
+
+        @Override
+        public int size() {
+            return names.get().size();
         }
 
         @Override

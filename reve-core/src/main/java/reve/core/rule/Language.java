@@ -5,6 +5,7 @@ import com.google.common.collect.ImmutableList;
 import com.google.common.collect.ImmutableSet;
 import dev.cel.checker.CelStandardDeclarations;
 import dev.cel.checker.CelStandardDeclarations.StandardFunction;
+import dev.cel.common.CelAbstractSyntaxTree;
 import dev.cel.common.CelIssue;
 import dev.cel.common.CelOptions;
 import dev.cel.common.CelValidationException;
@@ -23,6 +24,7 @@ import dev.cel.parser.CelStandardMacro;
 import dev.cel.runtime.CelEvaluationException;
 import dev.cel.runtime.CelRuntime;
 import dev.cel.runtime.CelRuntimeFactory;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Objects;
@@ -71,6 +73,8 @@ final class Language {
     private final CelCompiler compiler;
     private final Set<String> names = new TreeSet<>();
     private final Map<String, StructType> structs = new LinkedHashMap<>();
+    /** How many numbers a list has: of {@code physics.velocity}, 3. */
+    private final Map<String, Integer> components = new HashMap<>();
     private String fieldsOfLastStruct = "";
 
     Language(Scope scope) {
@@ -99,18 +103,25 @@ final class Language {
     }
 
     Expression compile(String text) throws ExpressionException {
-        CelValidationResult result = compiler.compile(text);
+        try {
+            var parsed = checked(text, compiler.parse(text));
+            Checks.parsed(text, parsed);
+            var ast = checked(text, compiler.check(parsed));
+            Checks.typed(text, ast, components);
+            return new Expression(scope, text, type(ast.getResultType()), Uses.of(ast, names),
+                    RUNTIME.createProgram(ast), new Cost(ast));
+        } catch (CelValidationException | CelEvaluationException refused) {
+            throw new ExpressionException(0, message(refused.getMessage()));
+        }
+    }
+
+    private CelAbstractSyntaxTree checked(String text, CelValidationResult result)
+            throws ExpressionException, CelValidationException {
         if (result.hasError()) {
             CelIssue issue = result.getErrors().getFirst();
             throw new ExpressionException(offset(text, issue), message(issue.getMessage()));
         }
-        try {
-            var ast = result.getAst();
-            return new Expression(scope, text, type(ast.getResultType()), Uses.of(ast, names),
-                    RUNTIME.createProgram(ast));
-        } catch (CelValidationException | CelEvaluationException refused) {
-            throw new ExpressionException(0, message(refused.getMessage()));
-        }
+        return result.getAst();
     }
 
     /** The issue's line and column as characters from the beginning. */
@@ -166,13 +177,15 @@ final class Language {
         Map<String, CelType> physics = new LinkedHashMap<>();
         for (String name : kind.physicsNames()) {
             var property = Objects.requireNonNull(kind.property(name));
-            physics.put(name, property.components() == 1 ? SimpleType.DOUBLE : NUMBERS);
+            physics.put(name, numbers(owner + KindNames.PHYSICS + "." + name,
+                    property.components()));
         }
         aspects.put(KindNames.PHYSICS, struct(owner + KindNames.PHYSICS, physics));
         if (!kind.physicalNames().isEmpty()) {
             Map<String, CelType> physical = new LinkedHashMap<>();
-            kind.physicalNames().forEach((name, components) ->
-                    physical.put(name, components == 0 ? SimpleType.STRING : NUMBERS));
+            kind.physicalNames().forEach((name, count) ->
+                    physical.put(name, count == 0 ? SimpleType.STRING
+                            : numbers(owner + KindNames.PHYSICAL + "." + name, count)));
             aspects.put(KindNames.PHYSICAL, struct(owner + KindNames.PHYSICAL, physical));
         }
         aspects.put(KindNames.SEMANTIC, MapType.create(SimpleType.STRING, SimpleType.DYN));
@@ -198,9 +211,14 @@ final class Language {
         return type;
     }
 
-    private static CelType type(Parameter parameter, CelType body) {
+    private CelType numbers(String name, int count) {
+        components.put(name, count);
+        return count == 1 ? SimpleType.DOUBLE : NUMBERS;
+    }
+
+    private CelType type(Parameter parameter, CelType body) {
         return switch (parameter.type()) {
-            case NUMBER -> parameter.components() == 1 ? SimpleType.DOUBLE : NUMBERS;
+            case NUMBER -> numbers(parameter.name(), parameter.components());
             case TEXT -> SimpleType.STRING;
             case TRUTH -> SimpleType.BOOL;
             case ITEM -> body;

@@ -63,6 +63,11 @@ public final class Scope {
         return expression;
     }
 
+    /** Whether this text was understood before, and costs nothing to understand. */
+    public boolean knows(String text) {
+        return known.containsKey(text);
+    }
+
     /** Room for the values of these names. */
     public Bindings bindings() {
         return new Bindings(this);

@@ -5,11 +5,15 @@ import static org.assertj.core.api.Assertions.catchThrowableOfType;
 
 import java.nio.charset.StandardCharsets;
 import java.util.List;
+import java.util.Map;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.rule.ExpressionType;
 import reve.core.rule.Rule;
+import reve.core.rule.Scope;
 import reve.core.world.SymbolType;
+import reve.core.world.WorldPrototype;
 
 /** What world files say of symbols: their types, and rules that give them. */
 class RuleReaderTest {
@@ -59,6 +63,41 @@ class RuleReaderTest {
                 StandardCharsets.UTF_8)))).isEqualTo(text);
     }
 
+    @Test
+    void moreRulesThanMayBeAreRefusedBeforeTheyAreUnderstood() {
+        var text = new StringBuilder("rules:\n");
+        for (int i = 0; i < 20_000; i++) {
+            text.append("  r").append(i).append(": physics.mass >< ").append(i).append('\n');
+        }
+
+        var refused = catchThrowableOfType(WorldFileException.class,
+                () -> parse(text.toString()));
+
+        assertThat(refused.problems()).extracting(Problem::toString)
+                .containsExactly("w:4:3: rules: found a mapping, expected at most 256 in it");
+    }
+
+    @Test
+    void onlySoManyDifferentExpressionsOfActionsAreUnderstood() throws Exception {
+        var problems = new Problems("w");
+        List<Node> whens = List.copyOf(
+                YamlReader.read(HEAD + "when: [a, b, a, c]", problems, new Allowance(100))
+                        .get("when").orElseThrow().children());
+        var operands = new OperandReader(null, problems, Map.of(),
+                Scope.ofItem(WorldPrototype.standard("si-f64"), "body"), new Allowance(2));
+        String[] texts = {"1 < 2", "2 < 3", "1 < 2", "3 < 4"};
+        for (int i = 0; i < 3; i++) {
+            assertThat(operands.expression(whens.get(i), texts[i], 0,
+                    ExpressionType.TRUTH)).isPresent();
+        }
+
+        assertThat(operands.expression(whens.get(3), texts[3], 0,
+                ExpressionType.TRUTH)).isEmpty();
+        assertThat(catchThrowableOfType(WorldFileException.class, problems::throwIfAny))
+                .hasMessageContaining("the actions of the world have more than 5000 different "
+                        + "expressions, which is the limit");
+    }
+
     @ParameterizedTest(name = "{0}")
     @CsvSource(delimiter = '!', quoteCharacter = '~', textBlock = """
             rules: {hot: physics.temperatur > 3}      ! 3:21 ! hot: unknown name `temperatur`; known here: acceleration, angularVelocity, appliedForce, charge, dragCoefficient, externalForce, inertia, linearDragCoefficient, mass, radius, torque, velocity
@@ -66,6 +105,9 @@ class RuleReaderTest {
             rules: {hot: {is: 3}}                     ! 3:19 ! is: found number 3, expected a text; put it in quotes
             rules: {hot: {}}                          ! 3:14 ! hot: `is` is missing
             rules: {hot: {is: "true", kind: sprung}}  ! 3:33 ! kind: there is no kind `sprung`; did you mean `spring`?
+            rules: {up: "physics.velocity[3] > 0"}    ! 3:31 ! up: there is no [3]: `physics.velocity` has components: 3, expected an index from 0 to 2
+            rules: {b: "item.name.matches(item.kind)"} ! 3:31 ! b: the pattern of `matches` is computed, expected a constant text in quotes, such as '^a+$': compare computed texts with `==`, `startsWith`, `endsWith` or `contains`
+            rules: {b: "item.name.matches('((a{1000}){1000}){1000}')"} ! 3:31 ! b: the pattern has 1007015013 steps with its repetitions written out, expected 1000 at most: repeat less often, or with `*` and `+`
             rules: {name: "'x'"}                      ! 3:9  ! symbol name is a standard one; a rule cannot give it
             rules: {a: semantic.b, b: "true"}         ! 3:9  ! rule a reads what rule b gives, which comes later
             rules: {a: semantic.a}                    ! 3:9  ! rule a reads what it gives itself

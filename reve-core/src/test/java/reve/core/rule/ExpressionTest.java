@@ -74,6 +74,10 @@ class ExpressionTest {
         "has(semantic.torn) ? 'torn' : item.name       | ball",
         "physical.colour == '#ccccccff'                | true",
         "physics.mass == 2 && 3 != physics.mass         | true",
+        "item.name.matches('^b[a-z]{3}$')              | true",
+        "item.name.matches('^[0-9a-f]{8}(-[0-9a-f]{4}){3}-[0-9a-f]{12}$') | false",
+        "item.name.matches('(?i)^BALL$')               | true",
+        "size({'a': 1, 'b': item.name})                | 2.0",
         "item.kind                                     | body"})
     void expressionHasThatValue(String text, String value) throws Exception {
         assertThat(evaluated(text, ball)).isEqualTo(value);
@@ -102,12 +106,49 @@ class ExpressionTest {
         "timestamp('2020-01-01')     | 9  | unknown name `timestamp`",
         "actor.name                  | 0  | unknown name `actor`",
         "{'a': 1}                    | 0  | gives a map",
-        "physics                     | 0  | gives a physics"})
+        "physics                     | 0  | gives a physics",
+        "physics.velocity[3] > 0     | 17 | there is no [3]: `physics.velocity` has components: 3,"
+                + " expected an index from 0 to 2",
+        "physical.orientation[4]     | 21 | expected an index from 0 to 3",
+        "physics.velocity[-1]        | 17 | there is no [-1]",
+        "semantic.tags[0] || [1][1]  | 24 | there is no [1]: `[…]` has components: 1",
+        "rotate([0,0,0,1], [1,2,3])[3] | 27 | `rotate(…)` has components: 3",
+        "scale(physics.velocity,2)[3] | 26 | expected an index from 0 to 2",
+        "item.name.matches(item.kind) | 18 | the pattern of `matches` is computed, expected a "
+                + "constant text in quotes",
+        "matches(item.name, 'a' + 'b') | 23 | the pattern of `matches` is computed",
+        "item.name.matches('((a{1000}){1000}){1000}') | 18 | the pattern has 10",
+        "item.name.matches('(a{99}){99}') | 18 | steps with its repetitions written out, expected "
+                + "1000 at most: repeat less often",
+        "item.name.matches('(?i)[a-ÿ]') | 18 | the pattern ignores the case of characters beyond",
+        "item.name.matches(r'(?mi:\\x{1C80})') | 18 | expected only ASCII with `(?i)`",
+        "item.name.matches('a(b')    | 18 | the pattern is broken: missing closing ): `a(b`",
+        "size({item.name: 1})        | 6  | the key of a map is computed, expected a constant"})
     void whatCannotBeUnderstoodIsRefusedAtItsPlace(String text, int offset, String message) {
         var refused = catchThrowableOfType(ExpressionException.class, () -> SCOPE.compile(text));
 
         assertThat(refused).hasMessageContaining(message);
         assertThat(refused.offset()).isEqualTo(offset);
+    }
+
+    @Test
+    void whatAgentsSayIsNoPattern() {
+        var refused = catchThrowableOfType(ExpressionException.class,
+                () -> ACTION.compile("item.name.matches(label)"));
+
+        assertThat(refused).hasMessageStartingWith("the pattern of `matches` is computed");
+        assertThat(refused.offset()).isEqualTo(18);
+    }
+
+    @Test
+    void variableOfALoopMayHaveTheNameOfAParameterOfAnotherLength() throws Exception {
+        Scope scope = Scope.ofAction(PROTOTYPE, "body",
+                List.of(Parameter.number("way", 2, Unit.ONE, "")));
+
+        assertThat(scope.compile("[[1, 2, 3]].map(way, way[2])").evaluate(scope.bindings()))
+                .isEqualTo(List.of(3.0));
+        assertThat(catchThrowableOfType(ExpressionException.class,
+                () -> scope.compile("way[2] > 1"))).hasMessageContaining("`way` has components: 2");
     }
 
     @Test
@@ -120,7 +161,7 @@ class ExpressionTest {
     }
 
     @ParameterizedTest
-    @ValueSource(strings = {"semantic.torn", "semantic['torn']", "physics.velocity[3]",
+    @ValueSource(strings = {"semantic.torn", "semantic['torn']", "semantic.tags[2]",
         "1.0 / 0.0", "1 / 0", "semantic.age + 'x'", "semantic.class > 2",
         "add([1, 2], [1])", "norm(['a'])", "[1, {}]"})
     void whatHasNoValueSaysWhy(String text) throws Exception {

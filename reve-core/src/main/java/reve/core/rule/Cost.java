@@ -1,0 +1,158 @@
+package reve.core.rule;
+
+import dev.cel.common.CelAbstractSyntaxTree;
+import dev.cel.common.ast.CelExpr;
+import java.util.ArrayList;
+import java.util.List;
+
+/**
+ * The parts of one expression as a {@link Meter} needs to know them: which part comes after which,
+ * and what happens to the value of each. Immutable.
+ */
+final class Cost {
+    /** What happens to the value of a part. */
+    enum Role {
+        /** The whole value may be read. */
+        READ,
+        /** One element is picked. */
+        PICKED,
+        /** Something is looked for among its elements. */
+        MEMBERS,
+        /** A loop walks through it; its owner fails if that is impossible. */
+        RANGE,
+        /** Its owner fails unless it is true or false. */
+        TRUTH,
+        /** A pattern is searched in it. */
+        MATCHED,
+        /** A text is searched in it. */
+        HAYSTACK,
+        /** The text that is searched in a HAYSTACK. */
+        NEEDLE
+    }
+
+    /**
+     * One part.
+     *
+     * @param next the part that is evaluated next unless this one's owner fails; 0 if that depends
+     * @param depth number of parts around this one
+     * @param detail of a MATCHED, the size of the pattern; of a HAYSTACK and its NEEDLE, their
+     *     number
+     */
+    record Part(int next, int depth, Role role, int detail) {}
+
+    private static final Part UNKNOWN = new Part(0, 0, Role.READ, 0);
+
+    private final CelAbstractSyntaxTree ast;
+    private final List<Part> parts = new ArrayList<>();
+    private int haystacks;
+
+    Cost(CelAbstractSyntaxTree ast) {
+        this.ast = ast;
+        visit(ast.getExpr(), 0, 0, Role.READ, 0);
+    }
+
+    Part part(long id) {
+        return id < parts.size() ? parts.get((int) id) : UNKNOWN;
+    }
+
+    /** How many texts are searched for other texts. */
+    int haystacks() {
+        return haystacks;
+    }
+
+    private void visit(CelExpr expr, int next, int depth, Role role, int detail) {
+        int id = (int) expr.id();
+        while (parts.size() <= id) {
+            parts.add(UNKNOWN);
+        }
+        parts.set(id, new Part(next, depth, role, detail));
+        switch (expr.getKind()) {
+            case SELECT -> {
+                if (!isName(expr)) {
+                    visit(expr.select().operand(), id, depth + 1, Role.PICKED, 0);
+                }
+            }
+            case CALL -> call(expr, id, depth + 1);
+            case LIST -> inOrder(expr.list().elements(), id, depth + 1);
+            case MAP -> inOrder(entries(expr), id, depth + 1);
+            case COMPREHENSION -> {
+                var loop = expr.comprehension();
+                visit(loop.iterRange(), 0, depth + 1, Role.RANGE, 0);
+                visit(loop.accuInit(), 0, depth + 1, Role.READ, 0);
+                visit(loop.loopCondition(), 0, depth + 1, Role.TRUTH, 0);
+                visit(loop.loopStep(), 0, depth + 1, Role.READ, 0);
+                visit(loop.result(), id, depth + 1, Role.READ, 0);
+            }
+            default -> { }
+        }
+    }
+
+    private void call(CelExpr expr, int id, int depth) {
+        List<CelExpr> operands = operands(expr);
+        switch (expr.call().function()) {
+            case "_||_", "_&&_" ->
+                operands.forEach(operand -> visit(operand, 0, depth, Role.TRUTH, 0));
+            case "_?_:_" -> {
+                visit(operands.getFirst(), 0, depth, Role.TRUTH, 0);
+                visit(operands.get(1), id, depth, Role.READ, 0);
+                visit(operands.get(2), id, depth, Role.READ, 0);
+            }
+            case "@not_strictly_false" -> visit(operands.getFirst(), 0, depth, Role.READ, 0);
+            case "_[_]" -> two(operands, id, depth, Role.PICKED, Role.READ, 0);
+            case "@in" -> two(operands, id, depth, Role.READ, Role.MEMBERS, 0);
+            case "contains" ->
+                two(operands, id, depth, Role.HAYSTACK, Role.NEEDLE, haystacks++);
+            case Patterns.FUNCTION -> two(operands, id, depth, Role.MATCHED, Role.READ,
+                    Patterns.size(operands.getLast()));
+            default -> inOrder(operands, id, depth);
+        }
+    }
+
+    private void two(List<CelExpr> operands, int owner, int depth, Role first, Role second,
+            int detail) {
+        visit(operands.getFirst(), first(operands.getLast()), depth, first, detail);
+        visit(operands.getLast(), owner, depth, second, detail);
+    }
+
+    private void inOrder(List<CelExpr> all, int owner, int depth) {
+        for (int i = 0; i < all.size(); i++) {
+            visit(all.get(i), i + 1 < all.size() ? first(all.get(i + 1)) : owner, depth,
+                    Role.READ, 0);
+        }
+    }
+
+    /** Whether a selection is one name with dots in it. */
+    private boolean isName(CelExpr select) {
+        return ast.getReference(select.id()).isPresent();
+    }
+
+    /** The part of an expression that is evaluated first. */
+    private int first(CelExpr expr) {
+        List<CelExpr> inside = switch (expr.getKind()) {
+            case SELECT -> isName(expr) ? List.of() : List.of(expr.select().operand());
+            case CALL -> operands(expr);
+            case LIST -> expr.list().elements();
+            case MAP -> entries(expr);
+            case COMPREHENSION -> List.of(expr.comprehension().iterRange());
+            default -> List.of();
+        };
+        return inside.isEmpty() ? (int) expr.id() : first(inside.getFirst());
+    }
+
+    private static List<CelExpr> entries(CelExpr map) {
+        List<CelExpr> all = new ArrayList<>();
+        map.map().entries().forEach(entry -> {
+            all.add(entry.key());
+            all.add(entry.value());
+        });
+        return all;
+    }
+
+    /** What a function is called with, its target first. */
+    static List<CelExpr> operands(CelExpr call) {
+        List<CelExpr> operands = new ArrayList<>();
+        call.call().target().ifPresent(operands::add);
+        operands.addAll(call.call().args());
+        return operands;
+    }
+}

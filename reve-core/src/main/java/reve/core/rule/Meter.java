@@ -1,0 +1,133 @@
+package reve.core.rule;
+
+import dev.cel.common.ast.CelExpr;
+import dev.cel.runtime.CelEvaluationListener;
+import dev.cel.runtime.ConcatenatedListView;
+import java.util.List;
+import java.util.Map;
+import org.jspecify.annotations.Nullable;
+import reve.core.rule.Cost.Part;
+
+/**
+ * Counts the steps of one evaluation and ends it when there are too many. Nothing is counted but
+ * what the evaluation does, so that it is the same number on every machine.
+ */
+@SuppressWarnings("Immutable") // one evaluation on one thread
+final class Meter implements CelEvaluationListener {
+    /** Most steps of one evaluation, of about 0.1 microseconds. */
+    static final int MAX_STEPS = 20_000;
+
+    /** Characters that are read, compared or copied in a step. */
+    private static final int CHARACTERS_PER_STEP = 32;
+    /** Steps of a pattern in one character of a text that cost as much as a step here. */
+    private static final int PATTERN_STEPS_PER_STEP = 8;
+    /** Steps for a part that fails, which others may make good: {@code 1 / 0 > 1 || true}. */
+    private static final int STEPS_OF_FAILURE = 100;
+    private static final int STEPS_OF_FAILURE_PER_DEPTH = 10;
+    /** Steps for each name of an item whose names are all looked up. */
+    private static final int STEPS_PER_NAME = 4;
+    private static final int[] NONE = {};
+    private static final Exceeded EXCEEDED = new Exceeded();
+
+    private final Cost cost;
+    private final int[] haystacks;
+    private long left = MAX_STEPS;
+    private int next;
+
+    /** Ends an evaluation; no exception, because those are values for the language. */
+    static final class Exceeded extends Error {
+        private static final long serialVersionUID = 1L;
+
+        private Exceeded() {
+            super("too many steps", null, false, false);
+        }
+    }
+
+    Meter(Cost cost) {
+        this.cost = cost;
+        haystacks = cost.haystacks() == 0 ? NONE : new int[cost.haystacks()];
+    }
+
+    /** Called when a part has a value, after the parts that it consists of. */
+    @Override
+    public void callback(CelExpr expr, Object value) {
+        Part part = cost.part(expr.id());
+        if (next != 0 && next != expr.id()) {
+            fail(cost.part(next).depth());
+        }
+        next = part.next();
+        spend(1);
+        switch (part.role()) {
+            case PICKED -> { }
+            case TRUTH -> {
+                if (!(value instanceof Boolean)) {
+                    fail(part.depth());
+                }
+            }
+            case MEMBERS -> {
+                if (!(value instanceof Map)) {
+                    weigh(value);
+                }
+            }
+            case RANGE -> {
+                weigh(value);
+                if (!(value instanceof List || value instanceof Map)) {
+                    fail(part.depth());
+                }
+            }
+            case MATCHED -> {
+                weigh(value);
+                if (value instanceof String text) {
+                    spend(part.detail()
+                            + (long) text.length() * part.detail() / PATTERN_STEPS_PER_STEP);
+                }
+            }
+            case HAYSTACK -> {
+                weigh(value);
+                haystacks[part.detail()] = value instanceof String text ? text.length() : 0;
+            }
+            case NEEDLE -> {
+                weigh(value);
+                if (value instanceof String text) {
+                    spend((long) haystacks[part.detail()] * text.length() / CHARACTERS_PER_STEP);
+                }
+            }
+            case READ -> weigh(value);
+        }
+    }
+
+    private void fail(int depth) {
+        spend(STEPS_OF_FAILURE + STEPS_OF_FAILURE_PER_DEPTH * depth);
+    }
+
+    /** A step for each value in it, however often it is in there. */
+    private void weigh(@Nullable Object value) {
+        switch (value) {
+            case null -> { }
+            case String text -> spend(text.length() / CHARACTERS_PER_STEP);
+            case ConcatenatedListView<?> growing -> { } // a loop's result: paid when it is complete
+            case List<?> list -> {
+                for (Object element : list) {
+                    spend(1);
+                    weigh(element);
+                }
+            }
+            case ItemNames.View view -> spend(STEPS_PER_NAME * view.size());
+            case Map<?, ?> map -> {
+                for (Map.Entry<?, ?> entry : map.entrySet()) {
+                    spend(1);
+                    weigh(entry.getKey());
+                    weigh(entry.getValue());
+                }
+            }
+            default -> { }
+        }
+    }
+
+    private void spend(long steps) {
+        left -= steps;
+        if (left < 0) {
+            throw EXCEEDED;
+        }
+    }
+}

@@ -1,0 +1,173 @@
+package reve.core.rule;
+
+import com.google.re2j.Pattern;
+import com.google.re2j.PatternSyntaxException;
+import dev.cel.common.ast.CelConstant;
+import dev.cel.common.ast.CelExpr;
+import java.util.ArrayDeque;
+import java.util.Deque;
+import java.util.regex.Matcher;
+
+/** The patterns of {@code matches}, which are constants of a bounded size. */
+final class Patterns {
+    static final String FUNCTION = "matches";
+
+    /** Most steps of a pattern: about one for each character, repetitions written out. */
+    static final int MAX_SIZE = 1000;
+
+    private static final java.util.regex.Pattern REPETITION =
+            java.util.regex.Pattern.compile("\\{([0-9]{1,9})(,([0-9]{0,9}))?\\}");
+    private static final java.util.regex.Pattern FOLDING =
+            java.util.regex.Pattern.compile("\\(\\?[a-zA-Z]*i");
+    private static final java.util.regex.Pattern BEYOND_ASCII =
+            java.util.regex.Pattern.compile("[^\\x00-\\x7F]|\\\\[xpP0-9]");
+    private static final java.util.regex.Pattern FLAGS =
+            java.util.regex.Pattern.compile("\\(\\?[a-zA-Z-]*\\)");
+
+    private Patterns() {}
+
+    /**
+     * Returns how many steps the pattern of a call has.
+     *
+     * @param pattern the last argument of the call
+     * @throws IllegalArgumentException saying what is wrong with it
+     */
+    static int size(CelExpr pattern) {
+        if (pattern.getKind() != CelExpr.ExprKind.Kind.CONSTANT
+                || pattern.constant().getKind() != CelConstant.Kind.STRING_VALUE) {
+            throw new IllegalArgumentException("the pattern of `matches` is computed, expected a "
+                    + "constant text in quotes, such as '^a+$': compare computed texts with "
+                    + "`==`, `startsWith`, `endsWith` or `contains`");
+        }
+        String text = pattern.constant().stringValue();
+        if (foldsBeyondAscii(text)) {
+            throw new IllegalArgumentException("the pattern ignores the case of characters beyond "
+                    + "ASCII, expected only ASCII with `(?i)`: write both cases, as in `[Ää]`");
+        }
+        long size = estimate(text);
+        if (size <= MAX_SIZE) {
+            try {
+                size = Pattern.compile(text).programSize();
+            } catch (PatternSyntaxException broken) {
+                throw new IllegalArgumentException("the pattern is broken: "
+                        + broken.getDescription() + " `" + broken.getPattern()
+                        + "`, expected RE2 syntax", broken);
+            }
+        }
+        if (size > MAX_SIZE) {
+            throw new IllegalArgumentException("the pattern has " + (size == Long.MAX_VALUE
+                    ? "far too many" : size) + " steps with its repetitions written out, expected "
+                    + MAX_SIZE + " at most: repeat less often, or with `*` and `+`");
+        }
+        return (int) size;
+    }
+
+    /** For some characters, the library looks for their other cases without end. */
+    static boolean foldsBeyondAscii(String pattern) {
+        return FOLDING.matcher(pattern).find() && BEYOND_ASCII.matcher(pattern).find();
+    }
+
+    /** Returns at least the number of steps of a pattern, without writing repetitions out. */
+    static long estimate(String pattern) {
+        Deque<Long> outside = new ArrayDeque<>();
+        Matcher repetition = REPETITION.matcher(pattern);
+        long sum = 3;
+        long last = 0;
+        int end;
+        for (int at = 0; at < pattern.length(); at = end) {
+            char c = pattern.charAt(at);
+            end = end(pattern, at);
+            if (c == '(' && end > at + 1) { // flags
+                sum = add(sum, 1);
+            } else if (c == '(') {
+                outside.push(sum);
+                sum = 3;
+            } else if (c == ')' && !outside.isEmpty()) {
+                last = sum;
+                sum = add(outside.pop(), last);
+            } else if (c == '{' && repetition.region(at, pattern.length()).lookingAt()) {
+                end = repetition.end();
+                boolean exact = repetition.group(2) == null;
+                last = add(multiply(exact ? last : add(last, 1), times(repetition)), 1);
+                sum = add(sum, last);
+            } else if (c == '*' || c == '+' || c == '?' || c == '|') {
+                last = add(last, 2);
+                sum = add(sum, 2);
+            } else {
+                last = 1;
+                sum = add(sum, pattern.startsWith("\\Q", at) ? end - at : 1);
+            }
+        }
+        while (!outside.isEmpty()) {
+            sum = add(sum, outside.pop());
+        }
+        return sum;
+    }
+
+    private static long times(Matcher repetition) {
+        String most = repetition.group(3);
+        return Math.max(1, Math.max(Long.parseLong(repetition.group(1)),
+                most == null || most.isEmpty() ? 0 : Long.parseLong(most)));
+    }
+
+    /** The end of what begins there and is one thing: an escape, a class, flags, a character. */
+    private static int end(String pattern, int at) {
+        return switch (pattern.charAt(at)) {
+            case '\\' -> escape(pattern, at);
+            case '[' -> characterClass(pattern, at);
+            case '(' -> flags(pattern, at);
+            default -> at + 1;
+        };
+    }
+
+    /** The end of {@code \\d}, {@code \\p{Greek}}, {@code \\x{1F}} or {@code \\Q…\\E}. */
+    private static int escape(String pattern, int at) {
+        char kind = at + 1 < pattern.length() ? pattern.charAt(at + 1) : 0;
+        String until = kind == 'Q' ? "\\E"
+                : "pPx".indexOf(kind) >= 0 && pattern.startsWith("{", at + 2) ? "}" : "";
+        if (until.isEmpty()) {
+            return Math.min(pattern.length(), at + 2);
+        }
+        int end = pattern.indexOf(until, at + 2);
+        return end < 0 ? pattern.length() : end + until.length();
+    }
+
+    /** The end of {@code [a-z]}. */
+    private static int characterClass(String pattern, int at) {
+        int i = at + 1;
+        if (pattern.startsWith("^", i)) {
+            i++;
+        }
+        int first = i;
+        while (i < pattern.length() && (pattern.charAt(i) != ']' || i == first)) {
+            int named = pattern.startsWith("[:", i) ? pattern.indexOf(":]", i + 2) : -1;
+            if (named >= 0) {
+                i = named + 2;
+            } else {
+                i = classCharacter(pattern, i);
+                boolean range = pattern.startsWith("-", i) && i + 1 < pattern.length()
+                        && pattern.charAt(i + 1) != ']';
+                i = range ? classCharacter(pattern, i + 1) : i;
+            }
+        }
+        return Math.min(pattern.length(), i + 1);
+    }
+
+    private static int classCharacter(String pattern, int at) {
+        return pattern.charAt(at) == '\\' ? at + 2 : at + 1;
+    }
+
+    /** The end of {@code (?i)}; of the bracket alone if a group begins. */
+    private static int flags(String pattern, int at) {
+        Matcher flags = FLAGS.matcher(pattern).region(at, pattern.length());
+        return flags.lookingAt() ? flags.end() : at + 1;
+    }
+
+    private static long add(long a, long b) {
+        return a > Long.MAX_VALUE - b ? Long.MAX_VALUE : a + b;
+    }
+
+    private static long multiply(long a, long b) {
+        return a > Long.MAX_VALUE / b ? Long.MAX_VALUE : a * b;
+    }
+}
