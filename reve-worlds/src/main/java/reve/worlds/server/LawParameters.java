@@ -2,10 +2,10 @@ package reve.worlds.server;
 
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
-import java.util.function.Function;
 import reve.core.file.LawReference;
 import reve.core.unit.Unit;
 import reve.pe.LawParameter;
@@ -21,19 +21,19 @@ final class LawParameters {
 
     /**
      * Parameters in units that measure something else than the law asks for: a line with its place
-     * for each.
+     * for each, by name.
      *
      * @param loaded the laws of the library
      */
-    static List<String> wrongUnits(LawReference law, List<PhysicsLaw> loaded) {
-        List<String> wrong = new ArrayList<>();
+    static Map<String, String> wrongUnits(LawReference law, List<PhysicsLaw> loaded) {
+        Map<String, String> wrong = new LinkedHashMap<>();
         law.mentions().forEach((name, mention) -> {
             Optional<SiUnit> asked = loaded.stream().flatMap(each -> each.parameters().stream()
                     .filter(parameter -> isNamed(parameter, each, name))).findFirst()
                     .map(LawParameter::unit);
             if (asked.isPresent() && mention.unit().isPresent()
                     && !sameDimension(mention.unit().get(), asked.get())) {
-                wrong.add(mention.place() + ": law " + law.name() + ": parameter " + name
+                wrong.put(name, mention.place() + ": law " + law.name() + ": parameter " + name
                         + ": unit " + mention.unit().get() + " does not fit "
                         + asked.get().symbol());
             }
@@ -45,12 +45,20 @@ final class LawParameters {
     static List<String> refused(LawReference law, PhysicsException refused, PhysicsEngine engine,
             LawPath lawPath) {
         List<String> wrong = new ArrayList<>();
-        Function<Map<String, Double>, Optional<String>> refusal =
-                parameters -> refusal(law.name(), parameters, engine, lawPath);
-        if (!law.mentions().isEmpty() && refusal.apply(Map.of()).isEmpty()) {
-            law.mentions().forEach((name, mention) ->
-                    refusal.apply(Map.of(name, law.parameters().get(name)))
-                            .ifPresent(message -> wrong.add(mention.place() + ": " + message)));
+        if (!law.mentions().isEmpty()) {
+            try {
+                Map<String, String> units = load(law, Map.of(), engine, lawPath);
+                law.mentions().forEach((name, mention) -> {
+                    if (units.containsKey(name)) {
+                        wrong.add(units.get(name));
+                    } else {
+                        refusal(law, name, engine, lawPath).ifPresent(
+                                message -> wrong.add(mention.place() + ": " + message));
+                    }
+                });
+            } catch (PhysicsException notForItsParameters) {
+                // then it is the law that is wrong
+            }
         }
         if (wrong.isEmpty()) {
             wrong.add(law.place() + ": " + refused.getMessage());
@@ -58,15 +66,32 @@ final class LawParameters {
         return wrong;
     }
 
-    /** What the engine has against the law with these parameters. */
-    private static Optional<String> refusal(String law, Map<String, Double> parameters,
-            PhysicsEngine engine, LawPath lawPath) {
-        try (PreparedLibrary prepared = lawPath.prepare(engine, law, lawPath.find(law))) {
-            engine.unloadPhysicsLaw(engine.loadPhysicsLaw(prepared, parameters));
+    /** What the engine has against one parameter by itself. */
+    private static Optional<String> refusal(LawReference law, String name, PhysicsEngine engine,
+            LawPath lawPath) {
+        try {
+            load(law, Map.of(name, law.parameters().get(name)), engine, lawPath);
             return Optional.empty();
         } catch (PhysicsException refused) {
             return Optional.of(refused.getMessage());
         }
+    }
+
+    /** Loads and unloads the law, and says which units do not fit it. */
+    private static Map<String, String> load(LawReference law, Map<String, Double> parameters,
+            PhysicsEngine engine, LawPath lawPath) {
+        try (PreparedLibrary prepared =
+                lawPath.prepare(engine, law.name(), lawPath.find(law.name()))) {
+            int id = engine.loadPhysicsLaw(prepared, parameters);
+            Map<String, String> wrong = wrongUnits(law, lawsOf(id, engine));
+            engine.unloadPhysicsLaw(id);
+            return wrong;
+        }
+    }
+
+    /** The laws of a loaded library. */
+    static List<PhysicsLaw> lawsOf(int libraryId, PhysicsEngine engine) {
+        return engine.laws().stream().filter(law -> law.libraryId() == libraryId).toList();
     }
 
     private static boolean isNamed(LawParameter parameter, PhysicsLaw law, String name) {

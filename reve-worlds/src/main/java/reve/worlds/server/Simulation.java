@@ -175,8 +175,8 @@ public final class Simulation implements AutoCloseable {
                 if (found.origin() == LawPath.Origin.FOLDER) {
                     physics.laws().leaveToFolder(id);
                 }
-                problems = LawParameters.wrongUnits(law, engine.laws().stream()
-                        .filter(loaded -> loaded.libraryId() == id).toList());
+                problems = List.copyOf(
+                        LawParameters.wrongUnits(law, LawParameters.lawsOf(id, engine)).values());
             }
         } catch (PhysicsException refused) {
             status = refused.status();
