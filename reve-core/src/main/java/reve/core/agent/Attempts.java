@@ -10,8 +10,9 @@ import java.util.Map;
 /**
  * Bounds how often clients of one address may offer a wrong secret: {@value #BURST} times at once,
  * then one time a second. What is wrong beyond that is cut as too much; a right secret is never
- * asked about here, so that an attacker does not lock out others of its address. Remembers the last {@value #ADDRESSES} addresses; those of one IPv6
- * network of 64 bits count as one. Any thread.
+ * asked about here, so that an attacker does not lock out others of its address. Remembers the
+ * last {@value #ADDRESSES} addresses; those of one IPv6 network of 64 bits count as one. Any
+ * thread.
  */
 final class Attempts {
 

@@ -15,7 +15,7 @@ public final class Visible {
 
     private Visible() {}
 
-    /** Returns the text as one line; a backslash and {@code u{HEX}} stand for an unsafe character. */
+    /** Returns the text as one line; a backslash and {@code u{HEX}} stand for what is unsafe. */
     public static String line(String text) {
         return isSafe(text, ' ') ? text : escaped(text);
     }

@@ -114,7 +114,8 @@ public final class RunCommand implements Callable<Integer> {
             return run(simulation, frames);
         }
         try (Journal _ = simulation.journal(world.folder(), Map.of(),
-                new Journal.Plan(0, pacing == Pacing.FAST), RunLog.create(record.file().get(), record.maxBytes()),
+                new Journal.Plan(0, pacing == Pacing.FAST),
+                RunLog.create(record.file().get(), record.maxBytes()),
                 this::tellRecording)) {
             return run(simulation, frames);
         } catch (IOError ended) {
