@@ -37,7 +37,8 @@ LEFT_OUT = {"pause", "run", "step", "rewind", "shut-down"}
 NUMBERS = ["0", "-1", "1e308", "-1e308", "1e-320", "9007199254740993", "1e999", "NaN", "0.1e", "00",
            "18446744073709551616", "9" * 400, "-0", "1E+2", "0x10"]
 TEXTS = ["", "a" * 70, "a" * 70000, "\\u0000", "\\ud83e", "\\u202e", "\\u2028", "../../etc/passwd",
-         "\\n\\u001b[31mfault", "iron", "bellows", "actor", "$1/0", "(a{1000}){1000}", "ﷺ", "🦆"]
+         "\\n\\u001b[31mfault", "iron", "bellows", "actor", "$1/0",
+         "(a{1000}){1000}", "ﷺ", "🦆"]
 
 
 def seeds():
@@ -64,7 +65,8 @@ def mutate_text(rng, line, others):
         kind = rng.randrange(7)
         at = rng.randrange(len(line) + 1)
         if kind == 0:
-            line = line[:at] + chr(rng.choice((rng.randrange(128), rng.randrange(0xD800)))) + line[at + 1:]
+            sign = chr(rng.choice((rng.randrange(128), rng.randrange(0xD800))))
+            line = line[:at] + sign + line[at + 1:]
         elif kind == 1:
             line = line[:at]
         elif kind == 2:
@@ -166,7 +168,7 @@ class Attack(threading.Thread):
 
 
 class Innocent(threading.Thread):
-    """An agent that perceives every frame and acts now and then; keeps when each perception came."""
+    """An agent that perceives every frame and acts now and then; keeps the times of perceptions."""
 
     def __init__(self, port):
         super().__init__(daemon=True)

@@ -69,7 +69,7 @@ final class Expansion {
         return prefabs.unused();
     }
 
-    /** Refuses too many items before any is made; those of tables are counted when they are read. */
+    /** Refuses too many items before any is made; those of tables are counted when read. */
     void requireRoom(List<Node> items) throws WorldFileException {
         for (Node item : items) {
             Optional<Node> repeat = item.get("repeat");

@@ -102,8 +102,8 @@ final class SchemaCheck {
                     if (tellsOfDecimalComma(base, error, extra)) {
                         break;
                     }
-                    problems.addUnknownKey(node, extra, "unknown key `" + Node.shorten(extra.key()) + "`"
-                            + hintForUnknownKey(error));
+                    problems.addUnknownKey(node, extra, "unknown key `"
+                            + Node.shorten(extra.key()) + "`" + hintForUnknownKey(error));
                 }
                 case "propertyNames" -> {
                     Node named = node.get(error.getProperty()).orElse(node);
@@ -125,8 +125,9 @@ final class SchemaCheck {
         boolean comma = node.isNothing() && DIGITS.matcher(node.key()).matches()
                 && !node.isElement();
         if (comma) {
-            problems.addUnknownKey(mapping(base, error, node), node, "`" + Node.shorten(node.key()) + "` stands for itself; if it "
-                    + "is part of a number, a decimal point is written `.`, as in `0."
+            problems.addUnknownKey(mapping(base, error, node), node,
+                    "`" + Node.shorten(node.key()) + "` stands for itself; if it is part of "
+                    + "a number, a decimal point is written `.`, as in `0."
                     + Node.shorten(node.key().split(" ")[0]) + "`");
         }
         return comma;

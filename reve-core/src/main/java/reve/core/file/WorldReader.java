@@ -43,7 +43,8 @@ final class WorldReader {
                 new ItemReader(prototype, physics, assets, source.files()::pathOf,
                         expansion::complete, doubts, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
-        var forceReader = new ForceReader(itemReader.names(), items, prototype.realType(), doubts, problems);
+        var forceReader = new ForceReader(itemReader.names(), items, prototype.realType(),
+                doubts, problems);
         List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
         List<LawReference> laws = laws(source.all("laws"));
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
