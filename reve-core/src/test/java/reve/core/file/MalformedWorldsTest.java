@@ -138,14 +138,14 @@ class MalformedWorldsTest {
     /** Files beside the world, on line 6, at what names them. */
     @ParameterizedTest(name = "{0}: {1}")
     @CsvSource(delimiter = '!', quoteCharacter = '\'', textBlock = """
-            a.obj   ! v 0 zero 1       ! line 1 is `v 0 zero 1`, expected `v` and at least 3 numbers
-            a.obj   ! v 0 0            ! there are no triangles in it
-            a.obj   ! v 0 0 0|f 1 2    ! a face refers to vertex 2, there are 1
-            a.obj   ! v 0 0 0|f a b c  ! line 2 is `f a b c`, expected at least three corners
-            a.obj   ! v 0 0 0|f 1/x 1 1! line 2 is `f 1/x 1 1`, expected at least three corners
+            a.obj   ! v 0 zero 1       ! line 1: `zero` is no number
+            a.obj   ! v 0 0            ! line 1: `v` has too few numbers
+            a.obj   ! v 0 0 0|f 1 2    ! there are no triangles in it
+            a.obj   ! v 0 0 0|f a b c  ! line 2: `a` is no corner of a face
+            a.obj   ! v 0 0 0|f 1/x 1 1! line 2: `1/x` is no corner of a face
             a.obj   ! v 0 0 0|f 1 2 3  ! a face refers to vertex 2, there are 1
             a.obj   ! v 1e999 0 0|v 0 1 0|v 0 0 1|f 1 2 3 ! expected a finite number
-            a.obj   ! v 0 0 0|vt x|f 1 1 1 ! line 2 is `vt x`, expected `vt` and at least 1 number
+            a.obj   ! v 0 0 0|vt x|f 1 1 1 ! line 2: `x` is no number
             a.obj   ! ''               ! a.obj:
             a.obj   ! mtllib no.mtl|v 0 0 0|v 0 1 0|v 0 0 1|f 1 2 3 ! no.mtl
             a.gltf  ! ''               ! a.gltf: not glTF
