@@ -401,6 +401,10 @@ public final class StoreContents {
             damage.addAll(harmless);
             return;
         }
+        claim.filter(said -> from.row().framesFile() < said.image()
+                && from.frame() <= said.imageFrame()).ifPresent(said -> damage.add(file
+                + ": the last image, of frame " + said.imageFrame() + ", cannot be used; it may "
+                + "hold edits that were made after that frame"));
         boolean damaged = read.tailMap(from.row().framesFile()).values().stream()
                 .anyMatch(each -> each.damage().isPresent());
         if (from.frame() >= known && !damaged) {

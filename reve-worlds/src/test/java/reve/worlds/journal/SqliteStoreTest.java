@@ -62,6 +62,17 @@ class SqliteStoreTest {
         assertThat(problems).singleElement().asString().contains("my.db", "frame 22");
     }
 
+    /** As a regular end writes it: it holds what was edited after the last frame. */
+    @Test
+    void aDamagedLastImageIsRefusedAlthoughAllFramesAreThere() throws Exception {
+        fill();
+        try (SqliteStore store = open(file)) {
+            store.place().write(List.of(), image(24));
+        }
+        update("UPDATE image SET bytes = zeroblob(1) WHERE frames_file = 6");
+        refused("the last image, of frame 24, cannot be used");
+    }
+
     /** Every byte in turn: what was kept is there, or the store says what is lost. */
     @Test
     void aFileOfFramesThatIsCutAnywhereIsRefusedByTheFrameThatIsLost() throws IOException {

@@ -30,6 +30,7 @@ import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SqliteStore;
+import reve.worlds.journal.StoreContents;
 
 /** What deadlines decide, in a recording. */
 class LockStepNativeTest {
@@ -113,7 +114,8 @@ class LockStepNativeTest {
         WorldDescription description = WorldFile.load(WORLD);
         Path file = folder.resolve("world.db");
         try (Simulation simulation = new Simulation(description, Pacing.FAST);
-                SqliteStore store = new SqliteStore(file, SqliteStore.Durability.NORMAL);
+                SqliteStore store = new SqliteStore(StoreContents.read(file),
+                        SqliteStore.Durability.NORMAL);
                 Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
                         new Journal.Plan(1000, true), store, problem -> {
                             throw new AssertionError(problem);
@@ -121,11 +123,10 @@ class LockStepNativeTest {
             simulation.loop().run(0);
             simulation.world().find("blue").orElseThrow().physics().set("velocity", 0, 7, 0);
         }
-        try (SqliteStore store = new SqliteStore(file, SqliteStore.Durability.NORMAL);
-                Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
-            for (JournalRecord record : store.read(problem -> {
-                throw new AssertionError(problem);
-            })) {
+        StoreContents contents = StoreContents.read(file);
+        assertThat(contents.problems()).isEmpty();
+        try (Replay replay = new Replay(Optional.empty(), Pacing.FAST)) {
+            for (JournalRecord record : contents.records()) {
                 assertThat(replay.take(record)).isTrue();
             }
             try (Simulation again = replay.release()) {
