@@ -19,6 +19,9 @@ import reve.core.world.WorldPrototype;
 
 /** Reads what a world says of semantic symbols: their types, and rules that give them. */
 final class RuleReader {
+    /** Most rules of one world. */
+    static final int MAX_RULES = 1000;
+
     private final Problems problems;
 
     RuleReader(Problems problems) {
@@ -40,6 +43,11 @@ final class RuleReader {
 
     /** All rules, in the order of the file. */
     List<Rule> readRules(List<Node> nodes, WorldPrototype prototype) {
+        if (nodes.size() > MAX_RULES) {
+            problems.addAtKey(nodes.get(MAX_RULES), "rules: found " + nodes.size()
+                    + ", expected " + MAX_RULES + " at most");
+            return List.of();
+        }
         List<Rule> rules = new ArrayList<>();
         Map<String, Node> first = new LinkedHashMap<>();
         Map<String, Scope> scopes = new HashMap<>();

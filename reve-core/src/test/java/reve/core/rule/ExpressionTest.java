@@ -110,19 +110,19 @@ class ExpressionTest {
         "physics.velocity[3] > 0     | 17 | there is no [3]: `physics.velocity` has components: 3,"
                 + " expected an index from 0 to 2",
         "physical.orientation[4]     | 21 | expected an index from 0 to 3",
-        "physics.velocity[-1]        | 17 | there is no [-1]",
-        "semantic.tags[0] || [1][1]  | 24 | there is no [1]: `[…]` has components: 1",
+        "physics.velocity[-1]        | 18 | there is no [-1]",
+        "semantic.tags[0] + [1][1]   | 23 | there is no [1]: `[…]` has components: 1",
         "rotate([0,0,0,1], [1,2,3])[3] | 27 | `rotate(…)` has components: 3",
         "scale(physics.velocity,2)[3] | 26 | expected an index from 0 to 2",
         "item.name.matches(item.kind) | 18 | the pattern of `matches` is computed, expected a "
                 + "constant text in quotes",
-        "matches(item.name, 'a' + 'b') | 23 | the pattern of `matches` is computed",
+        "matches(item.name, 'a' + 'b') | 19 | the pattern of `matches` is computed",
         "item.name.matches('((a{1000}){1000}){1000}') | 18 | the pattern has 10",
         "item.name.matches('(a{99}){99}') | 18 | steps with its repetitions written out, expected "
                 + "1000 at most: repeat less often",
         "item.name.matches('(?i)[a-ÿ]') | 18 | the pattern ignores the case of characters beyond",
         "item.name.matches(r'(?mi:\\x{1C80})') | 18 | expected only ASCII with `(?i)`",
-        "item.name.matches('a(b')    | 18 | the pattern is broken: missing closing ): `a(b`",
+        "item.name.matches('a(b')    | 18 | the pattern is broken: missing closing ) `a(b`",
         "size({item.name: 1})        | 6  | the key of a map is computed, expected a constant"})
     void whatCannotBeUnderstoodIsRefusedAtItsPlace(String text, int offset, String message) {
         var refused = catchThrowableOfType(ExpressionException.class, () -> SCOPE.compile(text));
