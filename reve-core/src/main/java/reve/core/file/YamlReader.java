@@ -302,7 +302,7 @@ final class YamlReader {
     /** The parser's two half sentences as one, without its picture of the line. */
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
-        String problem = syntax.getProblem().replaceAll(" ?\\(Do not use [^\\t].* for "
+        String problem = syntax.getProblem().replaceAll(" ?\\(Do not use [^\\\\].* for "
                 + "indentation\\)", " Put the text in quotes");
         if (problem.startsWith("mapping values are not allowed")) {
             return "not valid YAML: a `:` makes no key here; put a text that holds `: ` in quotes, "

@@ -32,8 +32,8 @@ class LawParametersNativeTest {
 
     @ParameterizedTest(name = "{0}")
     @CsvSource(delimiter = '!', textBlock = """
-            - sphere_contcat ! w:4:3: law library 'sphere_contcat' was not found; did you mean 'sphere_contact'?
-            - Drag           ! w:4:3: law library 'Drag' was not found; did you mean 'drag'?
+            - sphere_contcat ! w:4:3: law library 'sphere_contcat' was not found among the laws that ship; did you mean `sphere_contact`?
+            - Drag           ! w:4:3: law library 'Drag' was not found among the laws that ship; did you mean `drag`?
             - {name: sphere_contact, parameters: {stifness: 1}} ! w:4:39: law sphere_contact has no parameter 'stifness'; did you mean 'stiffness'?
             - {name: sphere_contact, parameters: {stiffness: -1}} ! w:4:39: law sphere_contact: parameter stiffness is -1, expected
             - {name: sphere_contact, parameters: {stiffness: 1e4, dampingRatio: 7}} ! w:4:55: law sphere_contact: parameter dampingRatio is 7, expected
@@ -45,7 +45,7 @@ class LawParametersNativeTest {
     @Test
     void aLawThatIsLikeNoOtherIsToldWhichThereAre() throws WorldFileException {
         assertThat(refusal("- telekinesis")).startsWith("w:4:3: law library 'telekinesis' was not "
-                + "found; known are ").contains("drag, ").contains("hooke_spring");
+                + "found among the laws that ship; known are ").contains("drag, ").contains("hooke_spring");
     }
 
     @Test
