@@ -99,7 +99,8 @@ public final class TokenFile {
 
     /**
      * The token with that secret, unless it has expired. Takes as long whether there is one or not,
-     * and however many there are: they are found by the hash, of which nobody can choose a part.
+     * and however many there are: they are found by the hash, no part of which an attacker can
+     * choose.
      */
     Optional<AgentToken> find(String secret) {
         return Optional.ofNullable(refreshed().get(AgentToken.hash(secret)))

@@ -197,7 +197,7 @@ final class Turn {
         return new AgentInput.Late(agent, missed, wanted.fallback(), told, goes);
     }
 
-    /** Returns what the others are told of an agent that was away and takes part again. */
+    /** Returns the event for others about an agent that was away and takes part again. */
     AgentInput.Back back() {
         return new AgentInput.Back(agent);
     }

@@ -35,7 +35,7 @@ final class Budget {
         nanoseconds += nanoTime.getAsLong() - begun;
     }
 
-    /** Of a file, or of data within another that is read anew. */
+    /** Size of a file, or of data within another that is read again. */
     void takeBytes(String path, long count) throws AssetException {
         bytes += count;
         require(path, bytes, MAX_BYTES, "meshes and images", "bytes");

@@ -75,7 +75,7 @@ final class ImageDecoder {
             }
             if (scans > MAX_SCANS) {
                 throw new AssetException(name + ": a JPEG of more than " + MAX_SCANS
-                        + " scans; save it anew, or as PNG");
+                        + " scans; save it again with fewer, or as PNG");
             }
         }
     }
