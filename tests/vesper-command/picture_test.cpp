@@ -207,10 +207,12 @@ TEST(PictureErrorTest, SceneWithNothingToDrawEndsWith3) {
   EXPECT_NE(outcome.errors.find("nothing to draw"), std::string::npos) << outcome.errors;
 }
 
-/// The program in a folder with another renderer, or none.
+/// The program in a folder with its library and another renderer, or none.
 Outcome RunBeside(const std::string& renderer) {
   const Folder folder;
-  std::filesystem::copy_file(VESPER_COMMAND, folder / "vesper");
+  const std::filesystem::path program = VESPER_COMMAND;
+  std::filesystem::copy_file(program, folder / "vesper");
+  std::filesystem::copy_file(program.parent_path() / "libvesper.so.1", folder / "libvesper.so.1");
   if (!renderer.empty()) {
     std::filesystem::permissions(folder.Write("vesper-render", renderer),
                                  std::filesystem::perms::owner_all);
