@@ -251,7 +251,8 @@ class CommandLineIT {
         assertThat(outcome.code()).isEqualTo(4);
         assertThat(outcome.err().lines().toList()).satisfiesExactly(
                 line -> assertThat(line).startsWith(world + ":4:5: ").contains("newton_motoin"),
-                line -> assertThat(line).startsWith(world + ":6:49: ").contains("brightness"));
+                line -> assertThat(line).startsWith("  " + world + ":6:49: ")
+                        .contains("brightness"));
         JsonNode json = new JsonMapper()
                 .readTree(Reve.run("check", "--json", world.toString()).out());
         assertThat(json.get("problems").size()).isEqualTo(2);

@@ -107,14 +107,33 @@ class DiskFaultIT {
             assertThat(fault.path("source").asString()).isEqualTo("audit");
             assertThat(fault.path("message").asString())
                     .contains("/dev/full", "No space left on device", "without a record");
-            try (AgentClient boss = AgentClient.connect("127.0.0.1", port,
-                    Join.as("boss").withRole("control"))) {
-                boss.command("shut-down", Map.of());
-            }
+            new ProcessBuilder("kill", "-TERM", String.valueOf(server.process().pid())).start()
+                    .waitFor();
             JsonNode end = server.events().await("end", event -> true);
             assertThat(end.at("/agents/unrecorded").asLong()).isPositive();
             assertThat(server.exitCode()).isEqualTo(1);
         }
+    }
+
+    @Test
+    void filesOfAStoreAreWrittenOverByNothingElse() throws Exception {
+        String[] serve = {"serve", WORLD, "--port", "0", "--fast", "--seconds", "0.2", "--store",
+            store.toString()};
+        assertThat(Reve.run(serve).code()).isZero();
+        byte[] before = Files.readAllBytes(store);
+        for (String option : List.of("--record", "--audit")) {
+            for (String file : List.of(store.toString(), store + "-manifest")) {
+                List<String> command = new ArrayList<>(List.of(serve));
+                command.addAll(List.of(option, file));
+                Outcome outcome = Reve.run(command.toArray(String[]::new));
+                assertThat(outcome.code()).as(outcome.err()).isEqualTo(2);
+                assertThat(outcome.err()).contains(option + " " + file + " is a file of --store");
+            }
+        }
+        Outcome alone = Reve.run("run", WORLD, "--seconds", "0.1", "--record", store.toString());
+        assertThat(alone.code()).isEqualTo(1);
+        assertThat(alone.err()).contains(store + " is there already and holds no recording");
+        assertThat(Files.readAllBytes(store)).isEqualTo(before);
     }
 
     @Test

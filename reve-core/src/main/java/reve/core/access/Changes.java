@@ -299,14 +299,21 @@ final class Changes {
         ScalarType type = column.type();
         for (double value : values) {
             if (!type.holds(value)) {
-                throw new ActionRefused("out-of-range", column.name() + " of " + item.name()
-                        + " cannot become " + value + ": it holds " + type);
+                throw outOfRange(item, column, value, "it holds " + type);
+            }
+            if (!type.takes(value)) {
+                throw outOfRange(item, column, value, "that is beyond what an action may set");
             }
             if (value < column.minimum()) {
-                throw new ActionRefused("out-of-range", column.name() + " of " + item.name()
-                        + " cannot become " + value + ": expected " + column.allowed());
+                throw outOfRange(item, column, value, "expected " + column.allowed());
             }
         }
+    }
+
+    private static ActionRefused outOfRange(Item item, PropertyDescriptor column, double value,
+            String why) {
+        return new ActionRefused("out-of-range",
+                column.name() + " of " + item.name() + " cannot become " + value + ": " + why);
     }
 
     private PropertyDescriptor column(Item item, String property) throws ActionRefused {
@@ -324,11 +331,11 @@ final class Changes {
         double[] numbers = operand.numbers(call, count, unit);
         boolean finite = true;
         for (double number : numbers) {
-            finite &= Double.isFinite(number);
+            finite &= ScalarType.F64.takes(number);
         }
         if (numbers.length != count || !finite) {
             throw new ActionRefused("no-value", "found " + Arrays.toString(numbers) + ", expected "
-                    + count + " finite " + (count == 1 ? "number" : "numbers"));
+                    + count + (count == 1 ? " number" : " numbers") + " of at most 1e100");
         }
         return numbers;
     }

@@ -1,13 +1,17 @@
 package reve.core.agent;
 
 import java.util.List;
+import java.util.regex.Pattern;
 import reve.core.world.ActionRefused;
 import reve.core.world.Colour;
 import reve.core.world.Item;
+import reve.core.world.ScalarType;
 import reve.core.world.World;
 
 /** Sets one property of an item by its name, for operators. World's thread. */
 final class ItemEdit {
+
+    private static final Pattern SYMBOL = Pattern.compile("[A-Za-z][A-Za-z0-9_-]{0,63}");
 
     private ItemEdit() {}
 
@@ -24,12 +28,22 @@ final class ItemEdit {
                 case "physical" -> setPhysical(item, path[1], edit.value());
                 case "physics" -> item.physics()
                         .set(path[1], numbers(item, edit.property(), edit.value()));
-                case "semantic" -> item.semantic().set(path[1], edit.value());
+                case "semantic" -> setSymbol(item, path[1], edit.value());
                 default -> throw noSuchProperty(edit.property());
             }
         } catch (IllegalArgumentException | IllegalStateException e) {
             throw new ActionRefused("edit-refused", String.valueOf(e.getMessage()));
         }
+    }
+
+    /** A saved world has to be read again, so the name is one that a world file may have. */
+    private static void setSymbol(Item item, String symbol, Object value) {
+        if (!SYMBOL.matcher(symbol).matches()) {
+            throw new IllegalArgumentException("item " + item.name() + ": " + Text.quote(symbol)
+                    + " is no name of a symbol; expected a letter, then letters, digits, - or _,"
+                    + " at most 64 in all");
+        }
+        item.semantic().set(symbol, value);
     }
 
     private static void setPhysical(Item item, String property, Object value) throws ActionRefused {
@@ -72,6 +86,17 @@ final class ItemEdit {
     }
 
     private static double[] numbers(Item item, String property, Object value) {
+        double[] numbers = given(item, property, value);
+        for (double number : numbers) {
+            if (!ScalarType.F64.takes(number)) {
+                throw new IllegalArgumentException("item " + item.name() + ": " + property + " is "
+                        + number + ", expected at most 1e100");
+            }
+        }
+        return numbers;
+    }
+
+    private static double[] given(Item item, String property, Object value) {
         return switch (value) {
             case Double number -> new double[] {number};
             case List<?> list -> list.stream().mapToDouble(number -> (Double) number).toArray();

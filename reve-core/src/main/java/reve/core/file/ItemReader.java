@@ -22,6 +22,11 @@ import reve.core.world.WorldPrototype;
 final class ItemReader {
     private final WorldPrototype prototype;
     private final Completion completion;
+    /** How deep actions that create items may stand in the actions of items that are created. */
+    private static final int MAX_CREATED_DEPTH = 8;
+    /** Most items that actions create, each as often as it is read. */
+    private static final int MAX_CREATED = 10_000;
+
     private final Problems problems;
     private final PhysicsReader physics;
     private final PhysicalReader physical;
@@ -32,6 +37,8 @@ final class ItemReader {
     private final BodyCheck bodies;
     /** Begins the definition of an item of a name, which it may refuse. */
     private final Function<String, ItemDefinition.Builder> beginning;
+    private final Allowance created = new Allowance(MAX_CREATED);
+    private int createdDepth;
 
     /** Lays what an item says over what it is like. */
     interface Completion {
@@ -116,6 +123,21 @@ final class ItemReader {
 
     /** An item that actions create, any number of times. */
     private Optional<ItemDefinition> readCreated(Node description) throws WorldFileException {
+        if (createdDepth == MAX_CREATED_DEPTH || !created.take(1)) {
+            problems.add(description, "create: the actions of a created item may create items "
+                    + "in turn, at most " + MAX_CREATED_DEPTH + " deep and " + MAX_CREATED
+                    + " times in one world; a prefab cannot create itself");
+            return Optional.empty();
+        }
+        createdDepth++;
+        try {
+            return readCreatedHere(description);
+        } finally {
+            createdDepth--;
+        }
+    }
+
+    private Optional<ItemDefinition> readCreatedHere(Node description) throws WorldFileException {
         Node node = completion.complete(description);
         Optional<String> kind = kind(node);
         Optional<String> name = node.get("name").flatMap(Node::text);

@@ -22,6 +22,8 @@ final class UnitParser {
     private static final int MAX_LENGTH = 64;
     private static final Pattern ALLOWED = Pattern.compile("[\\p{L}%°℃0-9²³*·/^()\\-]+");
     private static final Pattern NAME = Pattern.compile("[\\p{L}%°℃]+");
+    /** Largest product of all exponents: the library takes a step of recursion for each. */
+    private static final int MAX_POWER = 1000;
     private static final Pattern NUMBER = Pattern.compile("(\\^-?)?\\d+");
     private static final Map<Dimension, SiBase> BASES = Map.of(
             UnitDimension.LENGTH, SiBase.METRE,
@@ -76,8 +78,16 @@ final class UnitParser {
             throw refuse(text, "only names, * · / ^ ( ) and whole exponents make a unit");
         }
         Matcher number = NUMBER.matcher(symbol);
+        long power = 1;
         while (number.find()) {
             boolean exponent = number.group(1) != null;
+            String digits = number.group().replaceAll("\\D", "");
+            if (exponent) {
+                power *= digits.length() > 3 ? MAX_POWER + 1 : Integer.parseInt(digits);
+            }
+            if (power > MAX_POWER) {
+                throw refuse(text, "its exponents are too large");
+            }
             boolean leadingOne = number.start() == 0 && symbol.startsWith("1/");
             if (!exponent && !leadingOne) {
                 throw refuse(text, "the number " + number.group()

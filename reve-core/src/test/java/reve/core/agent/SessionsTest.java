@@ -158,6 +158,9 @@ class SessionsTest {
         "duck | physical.colour | 'red' | edit-refused | "
                 + "item duck: colour \"red\": expected #rrggbb",
         "duck | semantic.name | 'swan' | edit-refused | name",
+        "duck | semantic.a: {b} | 'x' | edit-refused | \"a: {b}\" is no name of a symbol",
+        "duck | physical.location | [1e308,0,0] | edit-refused | "
+                + "location is 1.0E308, expected at most 1e100",
     })
     void anEditThatDoesNotFitIsRefusedWithAReason(String item, String property, String value,
             String code, String reason) throws IOException {

@@ -185,7 +185,8 @@ class RepeatTest {
                     semantic: {a: "{k}", b: "{i +}", c: "{foo(1)}", d: "{sin(1, 2)}", e: "{i", f: "}",
                       g: "{}", h: "{(i}", k: "{[i, [i]]}", l: "{i i}", m: "{[i, [i, i]]}"}
                 """)).containsExactly(
-                "world.yaml:6:26: location: a formula in `{[1 / i, 0, 0]}` is not a finite number where i = 0",
+                "world.yaml:6:26: location: a formula in `{[1 / i, 0, 0]}` is not a finite number "
+                        + "where i = 0",
                 "world.yaml:6:58: orientation: a formula in `{[1, 2] + [1, 2, 3]}` combines 2 "
                         + "numbers with 3 where i = 0",
                 "world.yaml:7:19: a: formula `k` names `k`, which is unknown; known are i",

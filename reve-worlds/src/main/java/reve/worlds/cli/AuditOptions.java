@@ -35,6 +35,10 @@ final class AuditOptions {
                     + "serving them without a record.")
     private boolean required;
 
+    Optional<Path> file() {
+        return file;
+    }
+
     /** @throws ParameterException if the options do not fit together */
     Optional<AuditPlan> plan() {
         if (size < 1 || keep < 1) {

@@ -5,19 +5,26 @@ import java.util.concurrent.TimeUnit;
 
 /**
  * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as
- * usual, and the process exits with 0. Open around the run and its report; close is called by the
- * command's own thread when the report is out.
+ * usual, and the process exits with the code of its report. Open around the run and its report;
+ * close is called by the command's own thread when the report is out.
  */
 final class Interrupt implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 10;
 
     private final CountDownLatch reported = new CountDownLatch(1);
     private final Thread hook;
+    private volatile int code = ExitCode.FAILURE;
 
     /** @param stop asks the command to end soon; called on another thread */
     Interrupt(Runnable stop) {
         hook = new Thread(() -> endWith(stop), "interrupt");
         Runtime.getRuntime().addShutdownHook(hook);
+    }
+
+    /** Returns the exit code of the command, which holds for an interrupted one, too. */
+    int endsWith(boolean failed) {
+        code = failed ? ExitCode.FAILURE : ExitCode.OK;
+        return code;
     }
 
     private void endWith(Runnable stop) {
@@ -32,8 +39,8 @@ final class Interrupt implements AutoCloseable {
         } catch (InterruptedException impatient) {
             Thread.currentThread().interrupt();
         }
-        // Ends with 0 instead of 128 + signal: the command did all that it was asked to do.
-        Runtime.getRuntime().halt(ExitCode.OK);
+        // Not with 128 + signal: the command did all that it was asked to do.
+        Runtime.getRuntime().halt(code);
     }
 
     @Override

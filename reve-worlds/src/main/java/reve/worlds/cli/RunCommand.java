@@ -71,7 +71,7 @@ public final class RunCommand implements Callable<Integer> {
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing, lawPath);
-                Interrupt _ = new Interrupt(simulation.loop()::stop)) {
+                Interrupt interrupt = new Interrupt(simulation.loop()::stop)) {
             simulation.physics().setLedger(ledger);
             RunReport report = recorded(simulation, frames, pacing);
             if (save.isPresent()) {
@@ -84,7 +84,7 @@ public final class RunCommand implements Callable<Integer> {
             } else {
                 print(report, simulation);
             }
-            return report.faults().isEmpty() && wholeRecording ? ExitCode.OK : ExitCode.FAILURE;
+            return interrupt.endsWith(!report.faults().isEmpty() || !wholeRecording);
         }
     }
 

@@ -142,19 +142,20 @@ public final class ServeCommand implements Callable<Integer> {
         AgentServerConfig agents = agents();
         requireWatchdog();
         requireStoreEvery();
+        requireOwnFiles();
         List<WorldPlan> plans = plans();
         try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json,
                 printed.printed())) {
             WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
                     agents, laws.folder(), watchdog(events), events);
-            try (Interrupt _ = new Interrupt(server::stop)) {
+            try (Interrupt interrupt = new Interrupt(server::stop)) {
                 ServerReport report;
                 try (server) {
                     server.start();
                     report = server.run();
                 }
                 events.end(report);
-                return report.failed() ? ExitCode.FAILURE : ExitCode.OK;
+                return interrupt.endsWith(report.failed());
             }
         }
     }
@@ -174,6 +175,31 @@ public final class ServeCommand implements Callable<Integer> {
         }
         makeFolders();
         return List.copyOf(plans.values());
+    }
+
+    /** Refuses files that would be written over by each other, before any is opened. */
+    private void requireOwnFiles() {
+        Map<Path, String> taken = new LinkedHashMap<>();
+        requireOwn(taken, "--store", store);
+        requireOwn(taken, "--record", record.file());
+        requireOwn(taken, "--audit", audit.file());
+    }
+
+    /** A store has the files that begin with its name and {@code -}. */
+    private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given) {
+        if (given.isEmpty()) {
+            return;
+        }
+        Path file = given.get().toAbsolutePath().normalize();
+        taken.forEach((other, by) -> {
+            boolean isStores = by.equals("--store") && file.startsWith(other.getParent())
+                    && file.getFileName().toString().startsWith(other.getFileName() + "-");
+            if (file.equals(other) || isStores) {
+                throw new ParameterException(spec.commandLine(), option + " " + given.get()
+                        + " is a file of " + by + "; give each a file of its own");
+            }
+        });
+        taken.put(file, option);
     }
 
     private void makeFolders() throws IOException {

@@ -31,6 +31,8 @@ import reve.core.store.CorruptException;
  * it.
  */
 public final class RunLog {
+    /** The letter of the record that files of a store begin with. */
+    private static final char LINK = 'S';
     private static final byte[] MARK = "REVE run log 2\n".getBytes(StandardCharsets.US_ASCII);
     /** Size of a file without any record [bytes]. */
     static final int EMPTY_BYTES = MARK.length;
@@ -57,7 +59,7 @@ public final class RunLog {
         private static final int BYTES = 4 * Long.BYTES;
 
         private ByteBuffer encoded() {
-            return RunLog.encoded('S', number, ByteBuffer.allocate(BYTES)
+            return RunLog.encoded(LINK, number, ByteBuffer.allocate(BYTES)
                     .putLong(store.getMostSignificantBits())
                     .putLong(store.getLeastSignificantBits()).putLong(id).putLong(before).array());
         }
@@ -74,8 +76,14 @@ public final class RunLog {
         return create(file, Long.MAX_VALUE);
     }
 
-    /** @param maxBytes the recording ends before the first record that it has no room for */
+    /**
+     * As the other one.
+     *
+     * @param maxBytes the recording ends before the first record that it has no room for
+     * @throws IOException if the file holds something else than a recording
+     */
     public static JournalSink create(Path file, long maxBytes) throws IOException {
+        requireOverwritable(file);
         return new Writer(file, maxBytes);
     }
 
@@ -86,6 +94,24 @@ public final class RunLog {
      */
     public static Reader open(Path file) throws IOException {
         return new Reader(file);
+    }
+
+    /** A store, a world file or a picture that was named by mistake stays as it is. */
+    private static void requireOverwritable(Path file) throws IOException {
+        if (!Files.isRegularFile(file) || Files.size(file) == 0) {
+            return;
+        }
+        try (InputStream held = Files.newInputStream(file)) {
+            byte[] start = held.readNBytes(MARK.length + Integer.BYTES + 1);
+            boolean recording = Arrays.equals(start, 0, Math.min(start.length, MARK.length),
+                    MARK, 0, MARK.length);
+            boolean stores = start.length > MARK.length + Integer.BYTES
+                    && start[start.length - 1] == LINK;
+            if (!recording || stores) {
+                throw new IOException(file + " is there already and holds no recording; name "
+                        + "another file, or remove it");
+            }
+        }
     }
 
     /** Adds each record by one write; images at once, whatever thread they come from. */
@@ -328,7 +354,7 @@ public final class RunLog {
             }
             char letter = (char) head.get();
             long frame = head.getLong();
-            if (letter == 'S' && at == MARK.length && length == Link.BYTES) {
+            if (letter == LINK && at == MARK.length && length == Link.BYTES) {
                 link = Link.decoded(frame, content);
                 at = LINKED_BYTES;
                 return read();
