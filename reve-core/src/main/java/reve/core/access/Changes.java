@@ -331,11 +331,15 @@ final class Changes {
         double[] numbers = operand.numbers(call, count, unit);
         boolean finite = true;
         for (double number : numbers) {
-            finite &= ScalarType.F64.takes(number);
+            finite &= Double.isFinite(number);
+            if (finite && !ScalarType.F64.takes(number)) {
+                throw new ActionRefused("out-of-range",
+                        "found " + number + ", which is beyond what an action may set");
+            }
         }
         if (numbers.length != count || !finite) {
             throw new ActionRefused("no-value", "found " + Arrays.toString(numbers) + ", expected "
-                    + count + (count == 1 ? " number" : " numbers") + " of at most 1e100");
+                    + count + " finite " + (count == 1 ? "number" : "numbers"));
         }
         return numbers;
     }

@@ -168,6 +168,13 @@ class ActionsTest {
     }
 
     @Test
+    void forcesWhoseSumCouldBeInfiniteAreRefused() {
+        assertThat(refusal("cook", "pot", "blow", Map.of("f", List.of(1e200, 0, 0))))
+                .hasMessageContaining("is beyond what an action may set")
+                .extracting(ActionRefused::code).isEqualTo("out-of-range");
+    }
+
+    @Test
     void argumentOutOfRangeIsRefused() {
         assertThat(refusal("cook", "pot", "heat", Map.of("by", 201)))
                 .hasMessage("`by` of action heat takes a number in K from 0.0 to 200.0, found 201")
