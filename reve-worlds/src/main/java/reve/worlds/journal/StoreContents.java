@@ -55,6 +55,7 @@ public final class StoreContents {
     public static StoreContents read(Path file) throws IOException {
         requirePlace(file);
         TreeMap<Long, Path> files = FrameFiles.present(file);
+        requireFiles(file, files);
         if (!Files.exists(file) || Files.size(file) == 0) {
             requireNothingBeside(file, files);
             return new StoreContents(file, StoreDatabase.Rows.NONE, files);
@@ -459,6 +460,20 @@ public final class StoreContents {
         try (Stream<Path> siblings = Files.list(file.toAbsolutePath().getParent())) {
             return siblings.filter(each -> each.getFileName().toString().startsWith(prefix))
                     .sorted().toList();
+        }
+    }
+
+    /** Reading a pipe would wait for a writer. */
+    private static void requireFiles(Path file, TreeMap<Long, Path> files) throws IOException {
+        List<Path> own = new ArrayList<>(files.values());
+        own.add(file);
+        own.add(Manifest.path(file));
+        own.addAll(StoreDatabase.besides(file));
+        for (Path each : own) {
+            if (Files.exists(each) && !Files.isRegularFile(each) && !Files.isDirectory(each)) {
+                throw new IOException(each + " is a device or a pipe, expected a file of the store "
+                        + file + "; move it away (nothing was changed)");
+            }
         }
     }
 

@@ -1,6 +1,7 @@
 package reve.worlds.journal;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import java.io.IOException;
@@ -60,6 +61,19 @@ class SqliteStoreTest {
         assertThat(read()).containsExactly("library " + SHA, "image 19", "frame 20", "frame 21",
                 "frame 22", "frame 23", "frame 24");
         assertThat(problems).singleElement().asString().contains("my.db", "frame 22");
+    }
+
+    @Test
+    void aPipeInPlaceOfAFileIsRefused() throws Exception {
+        fill();
+        for (String name : List.of("my.db-manifest", "my.db-frames-5", "my.db")) {
+            Path pipe = folder.resolve(name);
+            Files.delete(pipe);
+            assertThat(new ProcessBuilder("mkfifo", pipe.toString()).start().waitFor()).isZero();
+            assertThatThrownBy(this::read).isInstanceOf(IOException.class)
+                    .hasMessageContaining(pipe + " is a device or a pipe");
+            Files.delete(pipe);
+        }
     }
 
     /** As a regular end writes it: it holds what was edited after the last frame. */
