@@ -43,7 +43,9 @@ class Limits:
     """What the server takes from a client: bytes of a line, messages in a second (of the clock, or
     of the world if that goes faster), commands that wait for their result, silence [s] after which
     it asks whether the client is still there, grace [s] that one can ask for; items in the world at
-    a time that actions of this agent created, and that actions of all agents created.
+    a time that actions of this agent created, and that actions of all agents created; bytes of
+    events in a second of world time that they raise. None for a limit that the server does not
+    have.
     """
 
     line_bytes: int
@@ -51,8 +53,10 @@ class Limits:
     acts_in_flight: int
     idle_seconds: float
     grace_seconds: float
-    items: int
-    world_items: int
+    items: Optional[int] = None
+    world_items: Optional[int] = None
+    event_bytes: Optional[int] = None
+    world_event_bytes: Optional[int] = None
 
 
 @dataclass(frozen=True)
@@ -476,8 +480,10 @@ def _welcome(message: Message) -> Welcome:
             limits["actsInFlight"],
             limits["idleSeconds"],
             limits["graceSeconds"],
-            limits["items"],
-            limits["worldItems"],
+            limits.get("items"),
+            limits.get("worldItems"),
+            limits.get("eventBytes"),
+            limits.get("worldEventBytes"),
         ),
     )
 

@@ -26,7 +26,7 @@ def written(message):
     }
     if t == "welcome":
         limits = fields.pop("limits")
-        fields["limits"] = {
+        every = {
             "lineBytes": limits.line_bytes,
             "messagesPerSecond": limits.messages_per_second,
             "actsInFlight": limits.acts_in_flight,
@@ -34,7 +34,10 @@ def written(message):
             "graceSeconds": limits.grace_seconds,
             "items": limits.items,
             "worldItems": limits.world_items,
+            "eventBytes": limits.event_bytes,
+            "worldEventBytes": limits.world_event_bytes,
         }
+        fields["limits"] = {name: most for name, most in every.items() if most is not None}
         time, session = message.time, message.session
         if time is not None:
             fields["time"] = {"mode": "lock-step", "every": time.every, "deadline": time.deadline}

@@ -65,7 +65,7 @@ class ItemFloodIT {
 
         try (Server server = serve(store);
                 AgentClient evil = join(server, "evil")) {
-            assertThat(evil.welcome().limits().items()).isEqualTo(AgentPolicy.DEFAULT_ITEMS);
+            assertThat(evil.welcome().limits().items()).hasValue(AgentPolicy.DEFAULT_ITEMS);
             ActResult strike = evil.act("iron", "strike", Map.of("strength", 0));
             assertThat(strike.code()).as("counted in a store").contains("too-many-items");
         }

@@ -256,7 +256,8 @@ final class Protocol {
                 limits.required("actsInFlight").intValue(),
                 limits.required("idleSeconds").doubleValue(),
                 limits.required("graceSeconds").doubleValue(),
-                limits.required("items").intValue(), limits.required("worldItems").intValue());
+                integer(limits, "items"), integer(limits, "worldItems"),
+                integer(limits, "eventBytes"), integer(limits, "worldEventBytes"));
     }
 
     private static LockStep lockStep(JsonNode time) {
@@ -322,10 +323,14 @@ final class Protocol {
     }
 
     private static Perception.Parameter parameter(JsonNode parameter) {
-        JsonNode components = parameter.path("components");
         return new Perception.Parameter(text(parameter, "type"),
-                components.isNumber() ? OptionalInt.of(components.intValue()) : OptionalInt.empty(),
-                optional(parameter, "unit"), bound(parameter, "min"), bound(parameter, "max"));
+                integer(parameter, "components"), optional(parameter, "unit"),
+                bound(parameter, "min"), bound(parameter, "max"));
+    }
+
+    private static OptionalInt integer(JsonNode object, String which) {
+        JsonNode integer = object.path(which);
+        return integer.isNumber() ? OptionalInt.of(integer.intValue()) : OptionalInt.empty();
     }
 
     private static OptionalDouble bound(JsonNode parameter, String which) {

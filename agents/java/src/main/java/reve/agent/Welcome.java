@@ -1,6 +1,7 @@
 package reve.agent;
 
 import java.util.Optional;
+import java.util.OptionalInt;
 import java.util.OptionalLong;
 
 /**
@@ -27,7 +28,7 @@ public record Welcome(OptionalLong id, int protocol, String role, String agent,
     public record Ticket(String token, double graceSeconds) {}
 
     /**
-     * What the server takes from an agent.
+     * What the server takes from an agent. Limits that the server does not have are empty.
      *
      * @param lineBytes longest line
      * @param messagesPerSecond most messages that it takes in a second, or in lock-step in one of
@@ -38,7 +39,11 @@ public record Welcome(OptionalLong id, int protocol, String role, String agent,
      * @param graceSeconds the most that one can ask for
      * @param items most items in the world at a time that the agent's actions created
      * @param worldItems most items in the world at a time that actions of all agents created
+     * @param eventBytes most bytes of events in a second of world time that its actions raise
+     * @param worldEventBytes most bytes of events in a second of world time that actions of all
+     *     agents raise
      */
     public record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
-            double graceSeconds, int items, int worldItems) {}
+            double graceSeconds, OptionalInt items, OptionalInt worldItems, OptionalInt eventBytes,
+            OptionalInt worldEventBytes) {}
 }

@@ -251,13 +251,17 @@ class ProtocolTest {
                 if (w.resumed()) {
                     json.put("resumed", true);
                 }
-                json.putObject("limits").put("lineBytes", w.limits().lineBytes())
+                ObjectNode limits = json.putObject("limits");
+                limits.put("lineBytes", w.limits().lineBytes())
                         .put("messagesPerSecond", w.limits().messagesPerSecond())
                         .put("actsInFlight", w.limits().actsInFlight())
                         .put("idleSeconds", w.limits().idleSeconds())
-                        .put("graceSeconds", w.limits().graceSeconds())
-                        .put("items", w.limits().items())
-                        .put("worldItems", w.limits().worldItems());
+                        .put("graceSeconds", w.limits().graceSeconds());
+                w.limits().items().ifPresent(most -> limits.put("items", most));
+                w.limits().worldItems().ifPresent(most -> limits.put("worldItems", most));
+                w.limits().eventBytes().ifPresent(most -> limits.put("eventBytes", most));
+                w.limits().worldEventBytes()
+                        .ifPresent(most -> limits.put("worldEventBytes", most));
             }
             case Perception p -> {
                 put(json.put("t", "perception"), p.id());

@@ -35,6 +35,7 @@ final class Changes {
     private final Map<ItemId, Map<String, double[]>> planned = new HashMap<>();
     private final List<ItemDefinition> created = new ArrayList<>();
     private final Set<Item> removed = new LinkedHashSet<>();
+    private long eventBytes;
     private final List<Runnable> all = new ArrayList<>();
     private final List<Runnable> last = new ArrayList<>();
 
@@ -83,11 +84,13 @@ final class Changes {
         }
         call.quota().require(call.world(), changes.created.size(), changes.removed);
         attempt("cannot-create", () -> call.world().requireAddable(changes.created));
+        call.events().require(call.quota().agent(), call.frame(), changes.eventBytes);
         return changes;
     }
 
     /** Makes them; none can fail now. */
     void make() {
+        call.events().take(call.quota().agent(), call.frame(), eventBytes);
         if (!created.isEmpty()) {
             call.world().addAll(created, call.quota().agent());
         }
@@ -231,7 +234,9 @@ final class Changes {
         List<WorldEvent> raised = new ArrayList<>();
         attempt("no-value",
                 () -> raised.add(new WorldEvent(call.frame(), effect.event(), fields)));
-        return () -> call.world().raise(raised.getFirst());
+        WorldEvent event = raised.getFirst();
+        eventBytes += event.bytes();
+        return () -> call.world().raise(event);
     }
 
     private Runnable setting(Item item, String property, double[] values) throws ActionRefused {

@@ -29,7 +29,7 @@ final class ControlDesk {
     ControlDesk(WorldPort port, Publisher publisher, RateLimitedLog log) {
         this.port = port;
         this.publisher = publisher;
-        this.members = new Members(port.agents());
+        this.members = new Members(port.agents(), port.framesPerSecond());
         this.images = new Images(port, members);
         this.studies = new Studies(port, members, log);
         this.log = log;

@@ -17,6 +17,7 @@ import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Arguments;
+import reve.core.world.EventBudget;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
@@ -49,6 +50,7 @@ public final class Members {
     private final Map<String, Body> bodies = new HashMap<>();
     private final Set<String> lent = new HashSet<>();
     private final SensedWorld sensed = new SensedWorld();
+    private final EventBudget events;
 
     /**
      * @param name what it was called when the agent came
@@ -83,9 +85,14 @@ public final class Members {
         }
     }
 
-    /** @param policy which bodies the world grants */
-    public Members(AgentPolicy policy) {
+    /**
+     * @param policy which bodies the world grants
+     * @param framesPerSecond frames of one second of world time
+     */
+    public Members(AgentPolicy policy, int framesPerSecond) {
         this.policy = policy;
+        this.events =
+                new EventBudget(policy.eventBytes(), policy.worldEventBytes(), framesPerSecond);
     }
 
     /** Checks and does what an agent wants, outside PHYSICS; either all of it happens or none. */
@@ -251,7 +258,7 @@ public final class Members {
         Optional<Item> actor = body.in(world);
         perform(action, body, new ActionCall(world, frame, item, actor, arguments,
                 actor.map(body::capabilities).orElse(List.of()),
-                new ItemQuota(act.agent(), policy.items(), policy.worldItems())));
+                new ItemQuota(act.agent(), policy.items(), policy.worldItems()), events));
     }
 
     /** To who senses only some things, a refusal does not tell what the action found. */

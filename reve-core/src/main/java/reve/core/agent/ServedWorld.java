@@ -140,7 +140,8 @@ final class ServedWorld implements AutoCloseable {
         AgentTimeouts timeouts = server.config().timeouts();
         var told = new Limits(limits.lineBytes(), limits.messagesPerSecond(), limits.actsInFlight(),
                 seconds(timeouts.idle()), seconds(timeouts.grace()),
-                port.agents().items(), port.agents().worldItems());
+                port.agents().items(), port.agents().worldItems(),
+                port.agents().eventBytes(), port.agents().worldEventBytes());
         return new Welcome(hello.id(), AgentServer.PROTOCOL, session.role(), hello.name(),
                 session.body(), port.world(), frame, port.framesPerSecond(), session.encoding(),
                 session.rhythm(), Optional.ofNullable(session.ticket()), resumed, told);

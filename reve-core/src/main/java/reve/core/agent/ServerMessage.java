@@ -16,7 +16,8 @@ sealed interface ServerMessage {
     }
 
     record Limits(int lineBytes, int messagesPerSecond, int actsInFlight, double idleSeconds,
-            double graceSeconds, int items, int worldItems) {}
+            double graceSeconds, int items, int worldItems, int eventBytes,
+            int worldEventBytes) {}
 
     /**
      * With it, another connection goes on with the session within that time after the first broke.
@@ -165,6 +166,8 @@ sealed interface ServerMessage {
         limits.put("graceSeconds", welcome.limits.graceSeconds);
         limits.put("items", welcome.limits.items);
         limits.put("worldItems", welcome.limits.worldItems);
+        limits.put("eventBytes", welcome.limits.eventBytes);
+        limits.put("worldEventBytes", welcome.limits.worldEventBytes);
         fields.put("limits", limits);
     }
 }

@@ -5,8 +5,8 @@ import java.util.Optional;
 import reve.core.world.ItemDefinition;
 
 /**
- * Which bodies a world grants to agents, none unless the world file says so; and how many items
- * their actions may have in it at a time.
+ * Which bodies a world grants to agents, none unless the world file says so; how many items their
+ * actions may have in it at a time; and how many bytes of events they may raise.
  *
  * @param bodies names of items that agents may take, in the order in which they are given out
  * @param template what a new body is made of for an agent that gets none of those; whoever takes it
@@ -14,14 +14,22 @@ import reve.core.world.ItemDefinition;
  * @param places where new bodies come into the world, one each; without, where the template is
  * @param items most items that actions of one agent created
  * @param worldItems most items that actions of all agents created
+ * @param eventBytes most bytes of events in a second of world time that actions of one agent raise
+ * @param worldEventBytes most bytes of events in a second of world time that actions of all agents
+ *     raise
  */
 public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template,
-        List<Place> places, int items, int worldItems) {
+        List<Place> places, int items, int worldItems, int eventBytes, int worldEventBytes) {
 
     /** Most items of one agent's making, unless the world file says otherwise. */
     public static final int DEFAULT_ITEMS = 1000;
     /** Most items of all agents' making, unless the world file says otherwise. */
     public static final int DEFAULT_WORLD_ITEMS = 5000;
+
+    /** Most bytes of events in a second of one agent's, unless the world file says otherwise. */
+    public static final int DEFAULT_EVENT_BYTES = 16 * 1024;
+    /** Most bytes of events in a second of all agents', unless the world file says otherwise. */
+    public static final int DEFAULT_WORLD_EVENT_BYTES = 256 * 1024;
 
     public AgentPolicy {
         bodies = List.copyOf(bodies);
@@ -31,10 +39,11 @@ public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template
     /** A point of the world [m]. */
     public record Place(double x, double y, double z) {}
 
-    /** The default quotas of items. */
+    /** The default quotas. */
     public AgentPolicy(List<String> bodies, Optional<ItemDefinition> template,
             List<Place> places) {
-        this(bodies, template, places, DEFAULT_ITEMS, DEFAULT_WORLD_ITEMS);
+        this(bodies, template, places, DEFAULT_ITEMS, DEFAULT_WORLD_ITEMS, DEFAULT_EVENT_BYTES,
+                DEFAULT_WORLD_EVENT_BYTES);
     }
 
     /** New bodies come to where the template is. */
@@ -49,6 +58,18 @@ public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template
 
     /** The same with other quotas of items. */
     public AgentPolicy withItems(int ofAgent, int ofWorld) {
-        return new AgentPolicy(bodies, template, places, ofAgent, ofWorld);
+        return new AgentPolicy(bodies, template, places, ofAgent, ofWorld, eventBytes,
+                worldEventBytes);
+    }
+
+    /** The same with other budgets of events [byte/s]. */
+    public AgentPolicy withEvents(int ofAgent, int ofWorld) {
+        return new AgentPolicy(bodies, template, places, items, worldItems, ofAgent, ofWorld);
+    }
+
+    /** The same without the bodies that are not named. */
+    public AgentPolicy withBodies(List<String> remaining) {
+        return new AgentPolicy(remaining, template, places, items, worldItems, eventBytes,
+                worldEventBytes);
     }
 }

@@ -87,8 +87,7 @@ public record WorldDescription(String name, String doc, WorldPrototype prototype
         List<String> bodies = agents.bodies().stream()
                 .filter(body -> world.find(body).isPresent()).toList();
         return new WorldDescription(name, doc, prototype, timing, world.age(), nowLoaded, now,
-                camera, new AgentPolicy(bodies, agents.template(), agents.places(),
-                        agents.items(), agents.worldItems()), rules,
+                camera, agents.withBodies(bodies), rules,
                 inOrderOfRows(world).stream().map(Item::definition).toList(), forcesIn(world),
                 List.of());
     }

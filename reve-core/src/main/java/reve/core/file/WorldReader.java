@@ -167,7 +167,11 @@ final class WorldReader {
                 : Optional.of(itemReader.readTemplate(body.get())), places(node, check),
                 (int) wholeNumber(Optional.of(node), "items", AgentPolicy.DEFAULT_ITEMS),
                 (int) wholeNumber(Optional.of(node), "worldItems",
-                        AgentPolicy.DEFAULT_WORLD_ITEMS));
+                        AgentPolicy.DEFAULT_WORLD_ITEMS),
+                (int) wholeNumber(Optional.of(node), "eventBytes",
+                        AgentPolicy.DEFAULT_EVENT_BYTES),
+                (int) wholeNumber(Optional.of(node), "worldEventBytes",
+                        AgentPolicy.DEFAULT_WORLD_EVENT_BYTES));
     }
 
     private List<AgentPolicy.Place> places(Node agents, BodyCheck check) {

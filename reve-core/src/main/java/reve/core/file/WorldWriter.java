@@ -221,12 +221,18 @@ public final class WorldWriter {
         world.agents().template().ifPresent(body -> tree.put("body", items.template(body)));
         putIfAny(tree, "places", world.agents().places().stream().map(place -> ItemWriter.quantity(
                 ScalarType.F64, new double[] {place.x(), place.y(), place.z()})).toList());
-        if (world.agents().items() != AgentPolicy.DEFAULT_ITEMS) {
-            tree.put("items", YamlWriter.Numeral.of(world.agents().items()));
-        }
-        if (world.agents().worldItems() != AgentPolicy.DEFAULT_WORLD_ITEMS) {
-            tree.put("worldItems", YamlWriter.Numeral.of(world.agents().worldItems()));
-        }
+        AgentPolicy agents = world.agents();
+        putUnless(tree, "items", agents.items(), AgentPolicy.DEFAULT_ITEMS);
+        putUnless(tree, "worldItems", agents.worldItems(), AgentPolicy.DEFAULT_WORLD_ITEMS);
+        putUnless(tree, "eventBytes", agents.eventBytes(), AgentPolicy.DEFAULT_EVENT_BYTES);
+        putUnless(tree, "worldEventBytes", agents.worldEventBytes(),
+                AgentPolicy.DEFAULT_WORLD_EVENT_BYTES);
         return tree;
+    }
+
+    private static void putUnless(Map<String, Object> tree, String key, int value, int otherwise) {
+        if (value != otherwise) {
+            tree.put(key, YamlWriter.Numeral.of(value));
+        }
     }
 }

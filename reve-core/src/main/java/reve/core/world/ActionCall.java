@@ -12,14 +12,17 @@ import java.util.Optional;
  * @param arguments checked against the action's parameters
  * @param capabilities those of the actor that it may use now
  * @param quota how many items it may create
+ * @param events how many bytes of events it may raise
  */
 public record ActionCall(World world, long frame, Item target, Optional<Item> actor,
-        Arguments arguments, List<String> capabilities, ItemQuota quota) {
+        Arguments arguments, List<String> capabilities, ItemQuota quota,
+        EventBudget events) {
 
-    /** With all capabilities that the actor has, and as many items as it creates. */
+    /** With all capabilities that the actor has, and no limits. */
     public ActionCall(World world, long frame, Item target, Optional<Item> actor,
             Arguments arguments) {
         this(world, frame, target, actor, arguments,
-                actor.map(item -> item.access().capabilities()).orElse(List.of()), ItemQuota.NONE);
+                actor.map(item -> item.access().capabilities()).orElse(List.of()), ItemQuota.NONE,
+                EventBudget.unlimited());
     }
 }

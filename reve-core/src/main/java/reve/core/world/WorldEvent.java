@@ -1,5 +1,6 @@
 package reve.core.world;
 
+import java.nio.charset.StandardCharsets;
 import java.util.Collections;
 import java.util.LinkedHashMap;
 import java.util.Map;
@@ -21,5 +22,19 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields) {
                         + ", expected text, a number or truth");
             }
         });
+    }
+
+    /** Its size: of the type, names and texts in UTF-8, and 8 of each number or truth value. */
+    public long bytes() {
+        long bytes = utf8(type);
+        for (Map.Entry<String, Object> field : fields.entrySet()) {
+            bytes += utf8(field.getKey());
+            bytes += field.getValue() instanceof String text ? utf8(text) : Double.BYTES;
+        }
+        return bytes;
+    }
+
+    private static int utf8(String text) {
+        return text.getBytes(StandardCharsets.UTF_8).length;
     }
 }

@@ -17,7 +17,7 @@ class MembersTest {
     void aBodyMadeForAnAgentGoesWithItWhateverItIsCalledNow() {
         World world = new World("w", WorldPrototype.standard("si-f64"), new OffHeapArena());
         var policy = new AgentPolicy(List.of(), Optional.of(ItemDefinition.named("body").build()));
-        var members = new Members(policy);
+        var members = new Members(policy, 60);
         members.apply(world, 1, new AgentInput.Join("ann", Optional.empty(), Rights.ALL));
         world.rename(world.find("ann").orElseThrow().id(), "ghost");
         members.apply(world, 2, new AgentInput.Leave("ann", "bye"));

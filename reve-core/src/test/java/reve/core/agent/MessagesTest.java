@@ -262,7 +262,9 @@ class MessagesTest {
                             json.at("/limits/idleSeconds").doubleValue(),
                             json.at("/limits/graceSeconds").doubleValue(),
                             json.at("/limits/items").intValue(),
-                            json.at("/limits/worldItems").intValue()));
+                            json.at("/limits/worldItems").intValue(),
+                            json.at("/limits/eventBytes").intValue(),
+                            json.at("/limits/worldEventBytes").intValue()));
             case "result" -> json.get("accepted").booleanValue()
                     ? new ServerMessage.Accepted(id, json.get("frame").longValue())
                     : new ServerMessage.Refused(id, text(json, "code"), text(json, "reason"));

@@ -336,10 +336,16 @@ class WorldFileTest {
                   bodies: [b, a]
                   body: {physical: {shape: sphere, radius: 1}, semantic: {class: guest}}
                   places: [[0, 1, 2], 10 20 30 cm]
+                  items: 3
+                  eventBytes: 512
                 items: [{name: a}, {name: b}]
                 """).agents();
 
         assertThat(agents.bodies()).containsExactly("b", "a");
+        assertThat(agents.items()).isEqualTo(3);
+        assertThat(agents.worldItems()).isEqualTo(5000);
+        assertThat(agents.eventBytes()).isEqualTo(512);
+        assertThat(agents.worldEventBytes()).isEqualTo(262_144);
         assertThat(agents.places()).containsExactly(
                 new AgentPolicy.Place(0, 1, 2), new AgentPolicy.Place(0.1, 0.2, 0.3));
         ItemDefinition guest = agents.template().orElseThrow().renamed("ada");

@@ -42,7 +42,8 @@ class WorldWriterTest {
                 laws: [drag, {name: barnes_hut, parameters: {theta: 0.7, range: 2 km}}]
                 constants: {gravity: [0, -9.81, 0], softening: 0}
                 camera: {eye: [0, 1, 4], target: [0, 0, 0], fov: 90 deg}
-                agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}}
+                agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}, items: 1000,
+                  worldItems: 7, eventBytes: 512, worldEventBytes: 1024}
                 prefabs: {p: {physics: {mass: 2 g, cell: [1, -2]}}}
                 items:
                   - {name: a, like: p}
@@ -71,6 +72,9 @@ class WorldWriterTest {
                   bodies: [a]
                   body:
                     physical: {shape: sphere, radius: 0.01}
+                  worldItems: 7
+                  eventBytes: 512
+                  worldEventBytes: 1024
                 items:
                   - name: a
                     physics: {mass: 0.002, cell: [1, -2]}
