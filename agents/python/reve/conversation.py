@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
+import logging
 from collections import deque
 from typing import Callable, Deque, Dict, List, Optional, Set, Tuple, Type, TypeVar, Union
 
@@ -28,6 +29,7 @@ from .protocol import (
 )
 
 _EVENTS_KEPT = 1024
+_LOG = logging.getLogger("reve")
 
 _T = TypeVar("_T")
 
@@ -41,6 +43,7 @@ class Conversation:
     def __init__(self, greeting: Message, welcome: Welcome) -> None:
         self.welcome = welcome
         self.end: Optional[ReveError] = None
+        self.missed_events = 0
         self._encoding = str(greeting.get("encoding", protocol.JSON))
         self._token: Optional[str] = greeting.get("token")
         self._ids = itertools.count(1)
@@ -244,7 +247,9 @@ class Conversation:
             return self.encode(protocol.pong())
         if isinstance(message, Bye):
             raise Disconnected(message.code, message.message, message.hint)
-        if isinstance(message, Event):
+        if isinstance(message, Event) and message.type == "missed":
+            self._miss(message)
+        elif isinstance(message, Event):
             self._hear(message)
         elif isinstance(message, (Perception, Update)) and self._is_of_stream(message):
             self._show(message)
@@ -259,6 +264,20 @@ class Conversation:
         self._events.append(event)
         self._has_seen(event.frame - 1)
         self._seen_after.append(event.frame)
+
+    def _miss(self, gap: Event) -> None:
+        """The server did not send the events of some frames, up to that of the gap."""
+        if self.missed_events == 0:
+            _LOG.warning(
+                "%s reads too slowly, and misses events from frame %d to %d; from now on only its "
+                "missed_events counts them",
+                self.welcome.agent, gap.fields["first"], gap.frame,
+            )
+        count = gap.fields.get("events", 1)
+        self.missed_events += int(count) if isinstance(count, (int, float)) else 1
+        self._events.append(gap)
+        self._has_seen(gap.frame)
+        self._known_already = min(self._known_already, len(self._seen_after))
 
     def _has_seen(self, frame: int) -> None:
         """All events up to that frame have come."""

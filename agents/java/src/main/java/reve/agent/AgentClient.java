@@ -248,9 +248,20 @@ public final class AgentClient implements AutoCloseable {
         ask(Protocol::ping, ServerMessage.Pong.class);
     }
 
-    /** What happened since the last call, oldest first. */
+    /**
+     * What happened since the last call, oldest first. A {@link WorldEvent#MISSED} stands for those
+     * that the server did not send.
+     */
     public synchronized List<WorldEvent> events() {
         return talk.events();
+    }
+
+    /**
+     * How many events the server did not send, as this client reads too slowly. At least: of what
+     * happened while a connection was broken it may not know how many, and counts one.
+     */
+    public synchronized long missedEvents() {
+        return talk.missedEvents();
     }
 
     /** Leaves the world. Calling it again does nothing. */

@@ -49,6 +49,7 @@ final class Conversation {
     /** Frames of the events that came after the last frame that was seen whole. */
     private final List<Long> seenAfter = new ArrayList<>();
     private int knownAlready;
+    private long missedEvents;
 
     /** A message that is answered, as it is to be sent. */
     record Question(long id, byte[] line) {}
@@ -213,6 +214,10 @@ final class Conversation {
 
     // ---- hearing ----
 
+    long missedEvents() {
+        return missedEvents;
+    }
+
     List<WorldEvent> events() {
         List<WorldEvent> news = List.copyOf(events);
         events.clear();
@@ -286,16 +291,30 @@ final class Conversation {
     }
 
     private void hear(WorldEvent event) {
-        if (knownAlready > 0) { // told again after a break
+        if (event.type().equals(WorldEvent.MISSED)) {
+            miss(event);
+        } else if (knownAlready > 0) { // told again after a break
             knownAlready--;
-            return;
+        } else {
+            keep(event);
+            hasSeen(event.frame() - 1);
+            seenAfter.add(event.frame());
         }
+    }
+
+    /** The server did not send the events of some frames, up to that of the gap. */
+    private void miss(WorldEvent gap) {
+        keep(gap);
+        missedEvents += gap.fields().get("events") instanceof Double count ? count.longValue() : 1;
+        hasSeen(gap.frame());
+        knownAlready = Math.min(knownAlready, seenAfter.size());
+    }
+
+    private void keep(WorldEvent event) {
         if (events.size() == AgentClient.MAX_EVENTS) {
             events.removeFirst();
         }
         events.addLast(event);
-        hasSeen(event.frame() - 1);
-        seenAfter.add(event.frame());
     }
 
     /** All events up to that frame have come. */

@@ -7,6 +7,7 @@ import java.nio.ByteBuffer;
 import java.nio.channels.SelectionKey;
 import java.nio.charset.StandardCharsets;
 import java.util.Objects;
+import java.util.OptionalLong;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.function.Supplier;
 import java.util.regex.Pattern;
@@ -459,6 +460,8 @@ final class Connection implements EventLoop.Handler {
         Session client = session;
         switch (next) {
             case Outbox.Message message -> out.put(message.bytes());
+            case Outbox.Missed missed -> out.put(ServerMessage.Event.missed(
+                    OptionalLong.of(missed.events()), missed.first(), missed.last()).in(encoding));
             case Outbox.Perception seen ->
                     Objects.requireNonNull(client).world().publisher().telling()
                             .write(out, difference, encoding, seen);

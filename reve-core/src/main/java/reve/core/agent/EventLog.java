@@ -1,9 +1,10 @@
 package reve.core.agent;
 
 import java.util.ArrayDeque;
+import java.util.ArrayList;
 import java.util.Deque;
 import java.util.List;
-import java.util.Optional;
+import java.util.OptionalLong;
 
 /**
  * The last events that a client was told, so that one whose connection broke gets those it missed.
@@ -38,10 +39,18 @@ final class EventLog {
         }
     }
 
-    /** What happened after a frame, in order; empty if some of it is forgotten. */
-    Optional<List<ServerMessage.Event>> after(long frame) {
-        return lastForgotten > frame ? Optional.empty()
-                : Optional.of(told.stream().map(Told::event)
-                        .filter(event -> event.frame() > frame).toList());
+    /**
+     * What happened after a frame, in order. If some of it is forgotten, an event {@code missed} is
+     * the first, and what is left of the forgotten frames is not among the others.
+     */
+    List<ServerMessage.Event> after(long frame) {
+        var events = new ArrayList<ServerMessage.Event>();
+        if (lastForgotten > frame) {
+            events.add(ServerMessage.Event.missed(OptionalLong.empty(), frame + 1, lastForgotten));
+        }
+        told.stream().map(Told::event)
+                .filter(event -> event.frame() > Math.max(frame, lastForgotten))
+                .forEach(events::add);
+        return events;
     }
 }

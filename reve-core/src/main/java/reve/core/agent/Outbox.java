@@ -6,9 +6,11 @@ import java.util.List;
 import org.jspecify.annotations.Nullable;
 
 /**
- * What waits to be written to one client. Messages keep their order and are bounded; of perceptions
- * only the newest waits, and what is different in it from the one before is worked out when it is
- * written. Filled from any thread, emptied by the event loop.
+ * What waits to be written to one client. Messages keep their order and are bounded. Events count
+ * apart from the others, as they are what other clients do: those that exceed the bound are missed,
+ * frame by frame, and one message says so. Of perceptions only the newest waits, and what is
+ * different in it from the one before is worked out when it is written. Filled from any thread,
+ * emptied by the event loop.
  */
 final class Outbox {
 
@@ -16,7 +18,10 @@ final class Outbox {
     sealed interface Waiting {}
 
     /** A message as it goes over the wire. */
-    record Message(byte[] bytes) implements Waiting {}
+    record Message(byte[] bytes, boolean isEvent) implements Waiting {}
+
+    /** So many events of these frames, and all of each frame, were not kept. */
+    record Missed(long events, long first, long last) implements Waiting {}
 
     /**
      * What is perceived, encoded only when it is written.
@@ -28,22 +33,33 @@ final class Outbox {
     private final int maxMessages;
     private final int maxBytes;
     private final Runnable filled;
-    /** What a returning client has missed; it may be more than may pile up. */
-    private final Deque<Message> missed = new ArrayDeque<>();
+    /** What happened while a returning client was away; it may be more than may pile up. */
+    private final Deque<Message> history = new ArrayDeque<>();
     private final Deque<Waiting> messages = new ArrayDeque<>();
-    private int bytes;
-    /**
-     * Of the last frame that anything happened in: what waits of it is nobody's fault
-     * before the next one.
-     */
+    private final Load answers = new Load();
+    private final Load events = new Load();
+    /** The last frame of which events were added. */
     private long happenedIn = -1;
-    private int happened;
-    private int happenedBytes;
+    /** Events that were not kept since {@link #events} was empty last; 0 if all were. */
+    private long missed;
+    private long firstMissed;
+    private long lastMissed;
     private @Nullable Perception answer;
     private @Nullable View latest;
     private long latestId;
     private @Nullable View told;
     private boolean finished;
+
+    /** How much waits. */
+    private static final class Load {
+        private int count;
+        private int bytes;
+
+        void add(byte[] line, int times) {
+            count += times;
+            bytes += times * line.length;
+        }
+    }
 
     /** @param filled told, with this held, whenever there is something to write */
     Outbox(int maxMessages, int maxBytes, Runnable filled) {
@@ -55,50 +71,70 @@ final class Outbox {
     /** What a client is told first that goes on with its session. Nothing of it is left out. */
     synchronized void begin(List<byte[]> lines) {
         if (!finished) {
-            lines.forEach(line -> missed.addLast(new Message(line)));
+            lines.forEach(line -> history.addLast(new Message(line, false)));
             filled.run();
         }
     }
 
-    /** Adds a message. @return false if the client has let too many pile up */
+    /**
+     * Adds a message that is no event.
+     *
+     * @return false if the client has let too many of these pile up
+     */
     synchronized boolean offer(byte[] line) {
         if (finished) {
             return true;
         }
-        if (isFull(happened, happenedBytes, line)) {
+        if (isFull(answers, line)) {
             return false;
         }
-        add(line);
+        add(line, false);
         return true;
     }
 
     /**
-     * Adds what happened in a frame. However much that is, only what is left of earlier frames
-     * counts as piled up.
+     * Adds an event of a frame, or counts it as missed while the client misses events. However many
+     * events a frame has, only what is left of earlier frames counts as piled up.
      *
-     * @return false if the client has let too much pile up
+     * @return false if too many have piled up; {@link #miss} is next
      */
     synchronized boolean offer(byte[] line, long frame) {
         if (finished) {
             return true;
         }
-        if (frame != happenedIn) {
-            if (isFull(0, 0, line)) {
-                return false;
-            }
-            happenedIn = frame;
-            happened = 0;
-            happenedBytes = 0;
+        if (missed > 0) {
+            miss(frame);
+            return true;
         }
-        happened++;
-        happenedBytes += line.length;
-        add(line);
+        if (frame != happenedIn && events.count > 0 && isFull(events, line)) {
+            return false;
+        }
+        happenedIn = frame;
+        add(line, true);
         return true;
     }
 
-    private boolean isFull(int excusedMessages, int excusedBytes, byte[] line) {
-        return messages.size() - excusedMessages >= maxMessages
-                || bytes - excusedBytes + line.length > maxBytes;
+    /**
+     * The client misses an event of a frame, and all that follow until it has been written what
+     * waits.
+     */
+    synchronized void miss(long frame) {
+        if (!finished) {
+            firstMissed = missed == 0 ? frame : firstMissed;
+            lastMissed = frame;
+            missed++;
+        }
+    }
+
+    private boolean isFull(Load load, byte[] line) {
+        return load.count >= maxMessages || load.bytes + line.length > maxBytes;
+    }
+
+    private void tellMissed() {
+        if (missed > 0) {
+            messages.addLast(new Missed(missed, firstMissed, lastMissed));
+            missed = 0;
+        }
     }
 
     /** Adds the perception that was asked for once; the one before has been written. */
@@ -133,25 +169,25 @@ final class Outbox {
         if (!finished) {
             finished = true;
             latest = null;
+            tellMissed();
             if (answer != null) {
                 messages.addLast(answer); // behind what happened until the frame that it shows
                 answer = null;
             }
-            add(lastLine);
+            add(lastLine, false);
         }
     }
 
     /** Takes what is to be written next; null if nothing waits. */
     synchronized @Nullable Waiting poll() {
-        if (!missed.isEmpty()) {
-            return missed.removeFirst();
+        if (!history.isEmpty()) {
+            return history.removeFirst();
         }
         Waiting next = messages.pollFirst();
         if (next instanceof Message message) {
-            bytes -= message.bytes.length;
-            if (messages.isEmpty()) {
-                happened = 0;
-                happenedBytes = 0;
+            (message.isEvent ? events : answers).add(message.bytes, -1);
+            if (events.count == 0) {
+                tellMissed();
             }
         } else if (next == null && answer != null) {
             next = answer;
@@ -170,12 +206,12 @@ final class Outbox {
     }
 
     synchronized boolean isEmpty() {
-        return missed.isEmpty() && messages.isEmpty() && answer == null && latest == null;
+        return history.isEmpty() && messages.isEmpty() && answer == null && latest == null;
     }
 
-    private void add(byte[] line) {
-        messages.addLast(new Message(line));
-        bytes += line.length;
+    private void add(byte[] line, boolean isEvent) {
+        messages.addLast(new Message(line, isEvent));
+        (isEvent ? events : answers).add(line, 1);
         filled.run();
     }
 }

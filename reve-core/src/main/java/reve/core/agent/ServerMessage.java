@@ -3,6 +3,7 @@ package reve.core.agent;
 import java.util.LinkedHashMap;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalLong;
 
 /**
  * What the server says, but for perceptions. {@code id} is {@link ClientMessage#NO_ID}
@@ -43,7 +44,21 @@ sealed interface ServerMessage {
     record Image(long id, String sensor, Cameras.Photo photo) implements ServerMessage {}
 
     /** @param fields String, Number, Boolean or a List of these by name */
-    record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {}
+    record Event(long frame, String type, Map<String, Object> fields) implements ServerMessage {
+
+        /**
+         * The client was not sent any event of these frames.
+         *
+         * @param events how many there were; empty if that is not known
+         */
+        static Event missed(OptionalLong events, long first, long last) {
+            var fields = new LinkedHashMap<String, Object>();
+            events.ifPresent(count -> fields.put("events", count));
+            fields.put("first", first);
+            fields.put("last", last);
+            return new Event(last, "missed", fields);
+        }
+    }
 
     record Error(long id, String code, String message, String hint) implements ServerMessage {}
 

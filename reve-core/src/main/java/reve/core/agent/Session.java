@@ -4,7 +4,6 @@ import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.util.ArrayList;
 import java.util.BitSet;
-import java.util.List;
 import java.util.Optional;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
@@ -237,9 +236,7 @@ final class Session {
                 events.add(event.message(), encoded.length, System.nanoTime());
             }
         }
-        if (!offerEvent(encoded, event.message().frame())) {
-            end(Ending.cut("too-slow", "too many events wait to be read"));
-        }
+        offerEvent(encoded, event.message().frame());
     }
 
     /** A command has its result. */
@@ -409,18 +406,10 @@ final class Session {
 
     // ---- the connection ----
 
-    /**
-     * Goes on over another connection, with what the client has missed.
-     *
-     * @throws Ending if it cannot be told all that it missed
-     */
-    void resume(Connection next, long frameSeen) throws Ending {
+    /** Goes on over another connection, with the events since the last frame that it has seen. */
+    void resume(Connection next, long frameSeen) {
         Connection previous;
         synchronized (this) {
-            List<ServerMessage.Event> missed = events.after(frameSeen)
-                    .orElseThrow(() -> Ending.refused("resume-too-late",
-                            "not all events since frame " + frameSeen + " are remembered",
-                            "say hello without resume"));
             previous = connection;
             connection = next;
             encoding = next.encoding();
@@ -431,7 +420,7 @@ final class Session {
             }
             var lines = new ArrayList<byte[]>();
             lines.add(world.welcome(this, hello, world.publisher().published(), true).in(encoding));
-            missed.forEach(event -> lines.add(event.in(encoding)));
+            events.after(frameSeen).forEach(event -> lines.add(event.in(encoding)));
             next.outbox().begin(lines);
         }
         world.lockStep().changed();
@@ -537,15 +526,16 @@ final class Session {
     }
 
     /**
-     * Frames may follow each other faster than what happened is written: who reads is
-     * not cut for that.
+     * Frames may follow each other faster than what happened is written, so a full outbox is
+     * written before events are missed.
      */
-    private boolean offerEvent(byte[] line, long frame) {
+    private void offerEvent(byte[] line, long frame) {
         Connection now = connection;
-        if (now == null || now.outbox().offer(line, frame)) {
-            return true;
+        if (now != null && !now.outbox().offer(line, frame)) {
+            now.write(server.pen());
+            if (!now.outbox().offer(line, frame)) {
+                now.outbox().miss(frame);
+            }
         }
-        now.write(server.pen());
-        return now.outbox().offer(line, frame);
     }
 }

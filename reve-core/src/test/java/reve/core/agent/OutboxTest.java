@@ -58,23 +58,53 @@ class OutboxTest {
         assertThat(outbox.offer(new byte[50])).as("another").isTrue();
         assertThat(outbox.offer(new byte[0])).as("a third").isFalse();
         assertThat(outbox.offer(new byte[0], 8)).as("an event of the next frame").isFalse();
-        for (int i = 0; i < 11; i++) {
+        for (int i = 0; i < 9; i++) {
             outbox.poll();
         }
-        assertThat(outbox.offer(new byte[50], 8)).as("all but one is read").isTrue();
+        assertThat(outbox.offer(new byte[50], 8)).as("all but one event is read").isTrue();
     }
 
     @Test
-    void whoHasReadWhatHappenedHasNothingExcusedAnyMore() {
-        for (int i = 0; i < 10; i++) {
-            outbox.offer(new byte[10], 7);
-        }
-        while (outbox.poll() != null) {
-            // That reads them.
-        }
-        assertThat(outbox.offer(new byte[10])).isTrue();
-        assertThat(outbox.offer(new byte[10])).isTrue();
-        assertThat(outbox.offer(new byte[10])).isFalse();
+    void eventsThatNobodyReadsAreMissedByTheFrameAndOneMessageSaysSo() {
+        offer("a", 7);
+        offer("b", 7);
+        offer("c", 7);
+        assertThat(outbox.offer(bytes("d"), 8)).isFalse();
+        outbox.miss(8);
+        offer("e", 8);
+        assertThat(List.of(take(), take())).containsExactly("a", "b");
+        offer("f", 9);
+        outbox.offerAnswer(1, view(9));
+        assertThat(outbox.offer(bytes("result"))).as("counts apart from events").isTrue();
+        assertThat(List.of(take(), take(), take(), take()))
+                .as("nothing comes between but what waited before")
+                .containsExactly("c", "result", "missed 3 of 8 to 9", "perception 1");
+        offer("g", 10);
+        assertThat(take()).isEqualTo("g");
+        assertThat(outbox.poll()).isNull();
+    }
+
+    @Test
+    void whoIsSentAwayIsToldBeforeWhatItHasMissed() {
+        offer("a", 7);
+        offer("b", 7);
+        assertThat(outbox.offer(bytes("c"), 8)).isFalse();
+        outbox.miss(8);
+        outbox.finish(bytes("bye"));
+        outbox.miss(9);
+        assertThat(List.of(take(), take(), take(), take()))
+                .containsExactly("a", "b", "missed 1 of 8 to 8", "bye");
+        assertThat(outbox.isDone()).isTrue();
+    }
+
+    @Test
+    void anEventAloneIsNeverTooLong() {
+        assertThat(outbox.offer(new byte[1000], 7)).isTrue();
+        assertThat(outbox.offer(new byte[1], 8)).isFalse();
+    }
+
+    private void offer(String event, long frame) {
+        assertThat(outbox.offer(bytes(event), frame)).as(event).isTrue();
     }
 
     @Test
@@ -100,6 +130,8 @@ class OutboxTest {
     private String take() {
         return switch (outbox.poll()) {
             case Outbox.Message message -> new String(message.bytes(), StandardCharsets.UTF_8);
+            case Outbox.Missed missed -> "missed " + missed.events() + " of " + missed.first()
+                    + " to " + missed.last();
             case Outbox.Perception perception -> "perception " + perception.id();
             case null -> null;
         };

@@ -38,7 +38,7 @@ class RefusalsTest {
     }
 
     @Test
-    void whoMissedMoreThanIsRememberedHasToComeAnew() throws IOException {
+    void whoMissedMoreThanIsRememberedGoesOnAndIsToldSo() throws IOException {
         try (AgentRoom room = new AgentRoom(); TestClient ada = room.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
             room.step();
@@ -46,19 +46,26 @@ class RefusalsTest {
             ada.socket.close();
             room.stepUntil("its connection is gone", () -> room.server.stats().open() == 0);
             String text = "x".repeat(4000);
-            var much = room.bus.subscribe(FramePhase.ACT, "much", event -> {
+            var speech = room.bus.subscribe(FramePhase.ACT, "much", event -> {
                 for (int i = 0; i < EventLog.MAX_BYTES / text.length(); i++) {
                     room.world.raise(new WorldEvent(event.frame(), "said", Map.of("text", text)));
                 }
             });
             room.step();
-            much.close();
+            speech.close();
+            long much = room.loop.frame();
             room.step();
             try (TestClient back = room.connect()) {
                 back.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'"
                         + welcome.at("/session/token").stringValue() + "','frame':1}}");
-                assertThat(back.expectBye("resume-too-late").get("hint").stringValue())
-                        .contains("without resume");
+                assertThat(back.expect("welcome").get("resumed").booleanValue()).isTrue();
+                assertThat(back.expect("event")).isEqualTo(TestClient.json(("{'t':'event',"
+                        + "'frame':%1$d,'type':'missed','fields':{'first':2,'last':%1$d}}")
+                        .formatted(much)));
+                back.say("{'t':'perceive','id':1}").sync();
+                room.step();
+                assertThat(back.expect("perception").get("id").intValue())
+                        .as("none of the frame's other events").isEqualTo(1);
             }
         }
     }

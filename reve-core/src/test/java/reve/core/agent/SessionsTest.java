@@ -8,6 +8,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.OptionalLong;
 import java.util.Random;
 import java.util.TreeSet;
 import org.junit.jupiter.api.AfterEach;
@@ -32,7 +33,8 @@ class SessionsTest {
 
     @BeforeEach
     void open() throws IOException {
-        room = new AgentRoom();
+        room = new AgentRoom(AgentRoom.CONFIG,
+                AgentRoom.making().withEvents(1_000_000, 1_000_000), 4096);
     }
 
     @AfterEach
@@ -350,13 +352,27 @@ class SessionsTest {
         for (int frame = 1; frame <= 3; frame++) {
             log.add(event(frame), 1, 10 * frame);
         }
-        assertThat(log.after(0).orElseThrow()).containsExactly(event(1), event(2), event(3));
+        assertThat(log.after(0)).containsExactly(event(1), event(2), event(3));
         log.add(event(4), 1, 31);
-        assertThat(log.after(0)).isEmpty();
-        assertThat(log.after(1).orElseThrow()).containsExactly(event(2), event(3), event(4));
+        assertThat(log.after(0)).containsExactly(missed(1, 1), event(2), event(3), event(4));
+        assertThat(log.after(1)).containsExactly(event(2), event(3), event(4));
         log.add(event(5), 1000, 31);
-        assertThat(log.after(3)).isEmpty();
-        assertThat(log.after(4).orElseThrow()).containsExactly(event(5));
+        assertThat(log.after(3)).containsExactly(missed(4, 4), event(5));
+        assertThat(log.after(4)).containsExactly(event(5));
+    }
+
+    @Test
+    void aFrameOfWhichSomeIsForgottenIsMissedAsAWhole() {
+        var log = new EventLog(1000, 2);
+        for (int i = 0; i < 3; i++) {
+            log.add(event(7), 1, 0);
+        }
+        log.add(event(8), 0, 0);
+        assertThat(log.after(6)).containsExactly(missed(7, 7), event(8));
+    }
+
+    private static ServerMessage.Event missed(long first, long last) {
+        return ServerMessage.Event.missed(OptionalLong.empty(), first, last);
     }
 
     /** More than a minute of an act in every frame. */
