@@ -62,7 +62,7 @@ public sealed interface Operand {
             } catch (EvaluationException failed) {
                 throw new ActionRefused("no-value", failed.getMessage());
             } finally {
-                call.world().activity().end();
+                call.world().activity().end(names.steps());
             }
         }
 
@@ -75,7 +75,7 @@ public sealed interface Operand {
             } catch (EvaluationException failed) {
                 throw new ActionRefused("no-value", failed.getMessage());
             } finally {
-                call.world().activity().end();
+                call.world().activity().end(names.steps());
             }
         }
     }

@@ -65,7 +65,7 @@ public record Terms(List<String> needs, List<Expression> conditions) {
         } catch (EvaluationException failed) {
             throw new ActionRefused("condition-failed", failed.getMessage());
         } finally {
-            call.world().activity().end();
+            call.world().activity().end(names.steps());
         }
     }
 

@@ -43,6 +43,11 @@ public final class AgentCommand implements Command {
     }
 
     @Override
+    public boolean mustWait(FrameEvent event) {
+        return input instanceof AgentInput.Act && !members.mayAct(input.agent(), event.frame());
+    }
+
+    @Override
     public void execute(World world, FrameEvent event) {
         done.accept(members.apply(world, event.frame(), input));
     }

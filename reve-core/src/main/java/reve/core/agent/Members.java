@@ -51,6 +51,7 @@ public final class Members {
     private final Set<String> lent = new HashSet<>();
     private final SensedWorld sensed = new SensedWorld();
     private final EventBudget events;
+    private final StepBudget steps = new StepBudget();
 
     /**
      * @param name what it was called when the agent came
@@ -189,6 +190,11 @@ public final class Members {
 
     // ---- acting ----
 
+    /** False if the agent has to wait for a later frame with what it wants to do. */
+    boolean mayAct(String agent, long frame) {
+        return steps.hasLeft(agent, frame);
+    }
+
     private Outcome act(World world, long frame, AgentInput.Act act) throws ActionRefused {
         Body body = bodies.get(act.agent());
         if (body == null) {
@@ -218,7 +224,7 @@ public final class Members {
             world.raise(new WorldEvent(frame, "away",
                     fields("agent", late.agent(), "body", body.name())));
         }
-        if (late.fallback().isPresent()) {
+        if (late.fallback().isPresent() && mayAct(late.agent(), frame)) {
             AgentInput.Fallback fallback = late.fallback().get();
             var act = new AgentInput.Act(late.agent(), fallback.item().orElse(body.name()),
                     fallback.action(), fallback.arguments());
@@ -241,6 +247,17 @@ public final class Members {
     }
 
     private void perform(World world, long frame, Body body, AgentInput.Act act)
+            throws ActionRefused {
+        long before = world.activity().steps();
+        int seen = body.needsSight ? world.table(WorldPrototype.BODY).rowCount() : 0;
+        try {
+            act(world, frame, body, act);
+        } finally {
+            steps.spend(act.agent(), frame, seen + world.activity().steps() - before);
+        }
+    }
+
+    private void act(World world, long frame, Body body, AgentInput.Act act)
             throws ActionRefused {
         Item item = find(world, body, act.item());
         if (!sensesActions(world, body, item)) {

@@ -19,6 +19,14 @@ public interface Command {
         return false;
     }
 
+    /**
+     * True if the command is not to be executed in this frame. Then it waits for the next one, and
+     * so does all that its origin has said after it. Asked in ACT.
+     */
+    default boolean mustWait(FrameEvent event) {
+        return false;
+    }
+
     /** Called on the world's thread in ACT. What it throws is reported and harms nobody else. */
     void execute(World world, FrameEvent event);
 }

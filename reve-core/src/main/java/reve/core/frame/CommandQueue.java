@@ -22,6 +22,8 @@ public final class CommandQueue {
     private final Queue<Command> arrived = new ConcurrentLinkedQueue<>();
     private final AtomicInteger waiting = new AtomicInteger();
     private final List<Command> taken = new ArrayList<>();
+    /** Those that must wait for the next frame; they count as waiting. */
+    private final List<Command> postponed = new ArrayList<>();
     private final FaultLog faults = new FaultLog();
 
     /** @param capacity most commands that may wait for the next frame */
@@ -74,6 +76,9 @@ public final class CommandQueue {
             waiting.decrementAndGet();
             taken.add(command);
         }
+        waiting.addAndGet(-postponed.size());
+        taken.addAll(postponed);
+        postponed.clear();
         taken.sort(ORDER);
     }
 
@@ -81,11 +86,21 @@ public final class CommandQueue {
         for (int i = 0; i < taken.size(); i++) {
             Command command = taken.get(i);
             try {
+                if (isOfWaiting(command.origin()) || command.mustWait(event)) {
+                    postponed.add(command);
+                    waiting.incrementAndGet();
+                    continue;
+                }
                 command.execute(event.world(), event);
             } catch (Exception | LinkageError | StackOverflowError e) {
                 faults.report(event, "command of " + command.origin(), e);
             }
         }
         taken.clear();
+    }
+
+    /** Commands are executed in the order of their origins, so the last one that waits tells. */
+    private boolean isOfWaiting(String origin) {
+        return !postponed.isEmpty() && postponed.getLast().origin().equals(origin);
     }
 }

@@ -16,6 +16,7 @@ public final class Bindings {
     private final Scope scope;
     private final ItemNames item;
     private final Map<String, Object> others = new HashMap<>();
+    private long steps;
 
     Bindings(Scope scope) {
         this.scope = scope;
@@ -40,6 +41,15 @@ public final class Bindings {
         names.of(other);
         others.put(name, names.asMap());
         return this;
+    }
+
+    /** Steps of all evaluations with these values, also of those that failed. */
+    public long steps() {
+        return steps;
+    }
+
+    void count(long more) {
+        steps += more;
     }
 
     /** For messages, what a name in full stands for now: {@code actor.physics.mass}. */

@@ -81,14 +81,17 @@ public final class Expression {
      *     it takes too long
      */
     public Object evaluate(Bindings bindings) throws EvaluationException {
+        var meter = new Meter(cost);
         try {
             CelVariableResolver resolver = bindings::find;
-            return value(program.trace(resolver, new Meter(cost)));
+            return value(program.trace(resolver, meter));
         } catch (Meter.Exceeded exceeded) {
             throw failed("takes more than " + Meter.MAX_STEPS + " steps, which no expression may: "
                     + "let it loop over less, or over shorter texts and lists");
         } catch (CelEvaluationException failed) {
             throw failed(PLACE.matcher(String.valueOf(failed.getMessage())).replaceFirst(""));
+        } finally {
+            bindings.count(meter.steps());
         }
     }
 

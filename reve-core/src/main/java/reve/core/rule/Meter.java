@@ -100,6 +100,11 @@ final class Meter implements CelEvaluationListener {
         spend(STEPS_OF_FAILURE + STEPS_OF_FAILURE_PER_DEPTH * depth);
     }
 
+    /** Steps until now; not more than one evaluation may take. */
+    long steps() {
+        return MAX_STEPS - Math.max(0, left);
+    }
+
     /** A step for each value in it, however often it is in there. */
     private void weigh(@Nullable Object value) {
         switch (value) {

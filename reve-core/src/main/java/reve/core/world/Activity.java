@@ -10,6 +10,7 @@ import org.jspecify.annotations.Nullable;
  */
 public final class Activity {
     private final AtomicReference<@Nullable Object> current = new AtomicReference<>();
+    private long steps;
 
     Activity() {}
 
@@ -25,6 +26,21 @@ public final class Activity {
     /** Ends what was begun last. World's thread. */
     public void end() {
         current.setRelease(null);
+    }
+
+    /**
+     * Ends what was begun last. World's thread.
+     *
+     * @param its steps, the same number on every machine
+     */
+    public void end(long its) {
+        steps += its;
+        end();
+    }
+
+    /** Returns the steps of all that has ended. World's thread. */
+    public long steps() {
+        return steps;
     }
 
     /** Returns what is done now, or null. Any thread. */

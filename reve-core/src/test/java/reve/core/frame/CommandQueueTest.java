@@ -123,6 +123,70 @@ class CommandQueueTest {
                 .containsEntry("source", "command of a").containsEntry("message", "no such thing"));
     }
 
+    /** Executed once a frame. */
+    private final class Slow implements Command {
+        private final String origin;
+        private final long sequence;
+
+        Slow(String origin, long sequence) {
+            this.origin = origin;
+            this.sequence = sequence;
+        }
+
+        @Override
+        public String origin() {
+            return origin;
+        }
+
+        @Override
+        public long sequence() {
+            return sequence;
+        }
+
+        @Override
+        public boolean mustWait(FrameEvent event) {
+            return done.contains(origin + "@" + event.frame());
+        }
+
+        @Override
+        public void execute(World ignored, FrameEvent event) {
+            done.add(origin + sequence);
+            done.add(origin + "@" + event.frame());
+        }
+    }
+
+    @Test
+    void whatMustWaitIsExecutedInLaterFramesInItsOrderAndBeforeWhatFollows() {
+        CommandQueue queue = queue(10);
+        queue.offer(new Slow("a", 1));
+        queue.offer(new Slow("a", 2));
+        queue.offer(new Note("a", 3, done));
+        queue.offer(new Note("b", 4, done));
+        queue.offer(new Slow("c", 5));
+        loop.step();
+        assertThat(done).containsExactly("a1", "a@1", "b4", "c5", "c@1");
+        done.clear();
+        queue.offer(new Slow("a", 6));
+        loop.step();
+        assertThat(done).containsExactly("a2", "a@2", "a3");
+        done.clear();
+        loop.step();
+        assertThat(done).containsExactly("a6", "a@3");
+    }
+
+    @Test
+    void whatMustWaitHasItsPlaceInTheQueue() {
+        CommandQueue queue = queue(2);
+        queue.offer(new Slow("a", 1));
+        queue.offer(new Slow("a", 2));
+        loop.step();
+        assertThat(queue.offer(new Note("b", 3, done))).isTrue();
+        assertThat(queue.offer(new Note("b", 4, done))).as("a2 waits").isFalse();
+        loop.step();
+        assertThat(queue.offer(new Note("b", 5, done))).isTrue();
+        assertThat(queue.offer(new Note("b", 6, done))).isTrue();
+    }
+
     @Test
     void manyThreadsLoseAndDuplicateNothing() throws Exception {
         CommandQueue queue = queue(64);
