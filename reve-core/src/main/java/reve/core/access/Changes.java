@@ -8,6 +8,7 @@ import java.util.LinkedHashMap;
 import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Set;
 import reve.core.unit.Unit;
 import reve.core.world.ActionCall;
@@ -17,6 +18,7 @@ import reve.core.world.Forces;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.ItemId;
+import reve.core.world.Possible;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.SemanticAspect;
@@ -30,6 +32,8 @@ import reve.core.world.WorldEvent;
 final class Changes {
     private static final String PHYSICS = "physics.";
     private static final String SEMANTIC = "semantic.";
+    /** A speed below which a kick leaves a body at rest on an axis [m/s]. */
+    private static final double SLOWEST = 1e-30;
 
     private final ActionCall call;
     private final Map<ItemId, Map<String, double[]>> planned = new HashMap<>();
@@ -126,6 +130,9 @@ final class Changes {
         double[] kick = numbers(effect.impulse(), 3, Effect.Impulse.UNIT);
         for (int i = 0; i < velocity.length; i++) {
             velocity[i] += kick[i] / mass;
+            if (Math.abs(velocity[i]) < SLOWEST) {
+                velocity[i] = 0;
+            }
         }
         return setting(item, "velocity", velocity);
     }
@@ -133,7 +140,7 @@ final class Changes {
     private Runnable force(Item item, Effect.Force effect) throws ActionRefused {
         requireMovable(item, "force");
         double[] force = numbers(effect.force(), 3, Effect.Force.UNIT);
-        requireFits(item, column(item, "appliedForce"), force);
+        requireFits(item.name(), column(item, "appliedForce"), force);
         Forces forces = call.world().forces();
         var added = new Forces.Force(item.id(), List.of(force[0], force[1], force[2]),
                 forces.frames(effect.seconds()));
@@ -154,7 +161,7 @@ final class Changes {
     private Runnable location(Item item, Effect.SetLocation effect) throws ActionRefused {
         requireBody(item);
         double[] to = numbers(effect.to(), 3, Effect.SetLocation.UNIT);
-        requireFits(item, call.world().table(item.kind()).column("position").descriptor(), to);
+        requireFits(item.name(), call.world().table(item.kind()).column("position").descriptor(), to);
         return () -> item.physical().setLocation(to[0], to[1], to[2]);
     }
 
@@ -208,7 +215,9 @@ final class Changes {
         if (name.startsWith(PHYSICS)) {
             String property = name.substring(PHYSICS.length());
             PropertyDescriptor column = column(kind, property);
-            item.physics(property, numbers(value, column.components(), column.unit()));
+            double[] numbers = numbers(value, column.components(), column.unit());
+            requireFits(item.name(), column, numbers);
+            item.physics(property, numbers);
         } else if (name.startsWith(SEMANTIC)) {
             String symbol = name.substring(SEMANTIC.length());
             item.symbol(symbol, symbolValue(item.name(), symbol, value));
@@ -240,7 +249,7 @@ final class Changes {
     }
 
     private Runnable setting(Item item, String property, double[] values) throws ActionRefused {
-        requireFits(item, column(item, property), values);
+        requireFits(item.name(), column(item, property), values);
         planned.computeIfAbsent(item.id(), id -> new HashMap<>()).put(property, values);
         return () -> item.physics().set(property, values);
     }
@@ -299,26 +308,17 @@ final class Changes {
         }
     }
 
-    private static void requireFits(Item item, PropertyDescriptor column, double[] values)
+    private static void requireFits(String item, PropertyDescriptor column, double[] values)
             throws ActionRefused {
-        ScalarType type = column.type();
-        for (double value : values) {
-            if (!type.holds(value)) {
-                throw outOfRange(item, column, value, "it holds " + type);
-            }
-            if (!type.takes(value)) {
-                throw outOfRange(item, column, value, "that is beyond what an action may set");
-            }
-            if (value < column.minimum()) {
-                throw outOfRange(item, column, value, "expected " + column.allowed());
-            }
+        Optional<String> why = Possible.refusal(column, values);
+        if (why.isPresent()) {
+            throw new ActionRefused("out-of-range", column.name() + " of " + item
+                    + " cannot become " + text(values) + ": " + why.get());
         }
     }
 
-    private static ActionRefused outOfRange(Item item, PropertyDescriptor column, double value,
-            String why) {
-        return new ActionRefused("out-of-range",
-                column.name() + " of " + item.name() + " cannot become " + value + ": " + why);
+    private static String text(double[] values) {
+        return values.length == 1 ? Double.toString(values[0]) : Arrays.toString(values);
     }
 
     private PropertyDescriptor column(Item item, String property) throws ActionRefused {
@@ -337,14 +337,16 @@ final class Changes {
         boolean finite = true;
         for (double number : numbers) {
             finite &= Double.isFinite(number);
-            if (finite && !ScalarType.F64.takes(number)) {
-                throw new ActionRefused("out-of-range",
-                        "found " + number + ", which is beyond what an action may set");
-            }
         }
         if (numbers.length != count || !finite) {
             throw new ActionRefused("no-value", "found " + Arrays.toString(numbers) + ", expected "
                     + count + " finite " + (count == 1 ? "number" : "numbers"));
+        }
+        for (double number : numbers) {
+            Optional<String> why = ScalarType.F64.refusal(number);
+            if (why.isPresent()) {
+                throw new ActionRefused("out-of-range", "found " + number + "; " + why.get());
+            }
         }
         return numbers;
     }

@@ -1,10 +1,14 @@
 package reve.core.agent;
 
+import java.util.Arrays;
 import java.util.List;
+import java.util.Optional;
 import java.util.regex.Pattern;
 import reve.core.world.ActionRefused;
 import reve.core.world.Colour;
 import reve.core.world.Item;
+import reve.core.world.Possible;
+import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.World;
 
@@ -26,14 +30,31 @@ final class ItemEdit {
         try {
             switch (path[0]) {
                 case "physical" -> setPhysical(item, path[1], edit.value());
-                case "physics" -> item.physics()
-                        .set(path[1], numbers(item, edit.property(), edit.value()));
+                case "physics" -> setPhysics(world, item, path[1],
+                        numbers(item, edit.property(), edit.value()));
                 case "semantic" -> setSymbol(item, path[1], edit.value());
                 default -> throw noSuchProperty(edit.property());
             }
         } catch (IllegalArgumentException | IllegalStateException e) {
             throw new ActionRefused("edit-refused", String.valueOf(e.getMessage()));
         }
+    }
+
+    private static void setPhysics(World world, Item item, String property, double[] values)
+            throws ActionRefused {
+        Optional<PropertyDescriptor> column = world.prototype().find(item.kind(), property)
+                .filter(known -> known.components() == values.length);
+        Optional<String> why = column.flatMap(known -> Possible.refusal(known, values));
+        if (why.isPresent()) {
+            throw outOfRange(item, "physics." + property, values, why.get());
+        }
+        item.physics().set(property, values); // which refuses the rest
+    }
+
+    private static ActionRefused outOfRange(Item item, String property, double[] values,
+            String why) {
+        return new ActionRefused("out-of-range", "item " + item.name() + ": " + property + " is "
+                + (values.length == 1 ? values[0] : Arrays.toString(values)) + "; " + why);
     }
 
     /** A saved world has to be read again, so the name is one that a world file may have. */
@@ -76,7 +97,8 @@ final class ItemEdit {
         }
     }
 
-    private static double[] numbers(Item item, String property, Object value, int count) {
+    private static double[] numbers(Item item, String property, Object value, int count)
+            throws ActionRefused {
         double[] numbers = numbers(item, property, value);
         if (numbers.length != count) {
             throw new IllegalArgumentException("item " + item.name() + ": " + property + " is "
@@ -85,12 +107,13 @@ final class ItemEdit {
         return numbers;
     }
 
-    private static double[] numbers(Item item, String property, Object value) {
+    private static double[] numbers(Item item, String property, Object value)
+            throws ActionRefused {
         double[] numbers = given(item, property, value);
         for (double number : numbers) {
-            if (!ScalarType.F64.takes(number)) {
-                throw new IllegalArgumentException("item " + item.name() + ": " + property + " is "
-                        + number + ", expected at most 1e100");
+            Optional<String> why = ScalarType.F64.refusal(number);
+            if (why.isPresent()) {
+                throw outOfRange(item, property, new double[] {number}, why.get());
             }
         }
         return numbers;

@@ -11,6 +11,7 @@ import reve.core.access.Subject;
 import reve.core.world.Action;
 import reve.core.world.Forces;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Possible;
 import reve.core.world.Shape;
 import reve.core.world.WorldPrototype;
 
@@ -20,8 +21,6 @@ final class BodyCheck {
     static final double MAX_PLACE = 1e150;
     /** Longest time that a force acts [s]; its frames can be counted at every rate. */
     static final double MAX_FORCE_SECONDS = Forces.MAX_FRAMES / 10_000;
-    /** Part of a moment that rounding may take. */
-    private static final double ROUNDING = 1e-6;
     private static final String MASS = "mass";
 
     private final Doubts doubts;
@@ -65,23 +64,14 @@ final class BodyCheck {
         }
     }
 
-    /** Of a solid, no principal moment is larger than the sum of the others; 0 is locked. */
     private void checkInertia(Node node, ItemDefinition item) {
         Optional<double[]> given = item.physics("inertia");
         if (given.isEmpty()) {
             return;
         }
-        double[] moments = given.get();
-        for (int axis = 0; axis < 3; axis++) {
-            double a = moments[(axis + 1) % 3];
-            double b = moments[(axis + 2) % 3];
-            if (a > 0 && b > 0 && moments[axis] - a - b > ROUNDING * moments[axis]
-                    && refused.add(node.file() + node.pointer())) {
-                doubts.refuse(find(node, "physics", "inertia"), "inertia: no body has moments of "
-                        + moments[0] + ", " + moments[1] + " and " + moments[2]
-                        + " kg*m^2; expected none larger than the sum of the two others", problems);
-                return;
-            }
+        Optional<String> why = Possible.impossibleInertia(given.get());
+        if (why.isPresent() && refused.add(node.file() + node.pointer())) {
+            doubts.refuse(find(node, "physics", "inertia"), "inertia: " + why.get(), problems);
         }
     }
 

@@ -1,5 +1,7 @@
 package reve.core.world;
 
+import java.util.Optional;
+
 /** The type of one number in a column. */
 public enum ScalarType {
     F32(Float.BYTES),
@@ -9,8 +11,11 @@ public enum ScalarType {
     /** The {@link ItemId} of another item; 0 means none. */
     REF(Long.BYTES);
 
+    /** Bounds of magnitudes that actions and edits may set, in the unit of the property. */
     private static final double MAX_F64 = 1e100;
+    private static final double MIN_F64 = 1e-100;
     private static final double MAX_F32 = 1e30;
+    private static final double MIN_F32 = 1e-35;
 
     private final int bytes;
 
@@ -24,16 +29,26 @@ public enum ScalarType {
     }
 
     /**
-     * Whether an action or an edit may give a column of this type the number, in SI units. Reals
-     * are bounded far below what the type holds, so that sums of forces and cubes of distances
-     * stay finite: 1e100, in single precision 1e30.
+     * Why an action or an edit may not give a column of this type the number; empty if it may.
+     * Reals are bounded far from what the type holds, so that sums of forces, cubes of distances
+     * and quotients of masses stay finite: 0 or 1e-100 to 1e100, in single precision 1e-35 to 1e30.
      */
-    public boolean takes(double value) {
-        return holds(value) && switch (this) {
-            case F64 -> Math.abs(value) <= MAX_F64;
-            case F32 -> Math.abs(value) <= MAX_F32;
-            case I32, U32, REF -> true;
+    public Optional<String> refusal(double value) {
+        if (!holds(value)) {
+            return Optional.of("it holds " + this);
+        }
+        return switch (this) {
+            case F64 -> outside(value, MIN_F64, MAX_F64);
+            case F32 -> outside(value, MIN_F32, MAX_F32);
+            case I32, U32, REF -> Optional.empty();
         };
+    }
+
+    private static Optional<String> outside(double value, double least, double most) {
+        double magnitude = Math.abs(value);
+        return magnitude == 0 || magnitude >= least && magnitude <= most ? Optional.empty()
+                : Optional.of("an action or an edit sets 0 or a magnitude from " + least + " to "
+                        + most);
     }
 
     /** Whether a column of this type can hold the number; reals may be rounded, not overflow. */

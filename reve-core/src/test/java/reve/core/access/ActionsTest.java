@@ -66,6 +66,10 @@ class ActionsTest {
                   thank: {effects: [{item: actor, symbol: thanked, to: $item.name}]}
                   blow: {parameters: {f: {components: 3, unit: kN}}, effects: [{force: $f, for: 0.25 s}]}
                   kick: {effects: [{force: 0 0 5}]}
+                  weigh: {parameters: {m: {unit: kg}}, effects: [{set: physics.mass, to: $m}, {raise: weighed}]}
+                  mould: {parameters: {m: {components: 3, unit: kg*m^2}}, effects: [{set: physics.inertia, to: $m}]}
+                  spill: {parameters: {m: {components: 3, unit: kg*m^2}}, effects: [{create: {name: drop, like: crumb}, with: {physics.inertia: $m}}]}
+                  move: {parameters: {to: {components: 3, unit: m}}, effects: [{set: physical.location, to: $to}]}
                   crumble:
                     effects:
                       - create: {name: crumb, like: crumb, semantic: {class: crumb}}
@@ -170,8 +174,44 @@ class ActionsTest {
     @Test
     void forcesWhoseSumCouldBeInfiniteAreRefused() {
         assertThat(refusal("cook", "pot", "blow", Map.of("f", List.of(1e200, 0, 0))))
-                .hasMessageContaining("is beyond what an action may set")
+                .hasMessage("found 1.0E203; an action or an edit sets 0 or a magnitude from "
+                        + "1.0E-100 to 1.0E100")
                 .extracting(ActionRefused::code).isEqualTo("out-of-range");
+    }
+
+    @ParameterizedTest
+    @ValueSource(doubles = {1e-320, -1e-320, 5e-324, 1e-160, 9e-101, 1.1e100, -1, -1e300})
+    void aMassThatLawsCannotComputeWithIsRefused(double mass) {
+        assertThat(refusal("cook", "pot", "weigh", Map.of("m", mass)).code())
+                .isEqualTo("out-of-range");
+    }
+
+    @Test
+    void aMassAtItsBoundsIsTaken() throws ActionRefused {
+        for (double mass : new double[] {1e-100, 1e100, 0}) {
+            act("cook", "pot", "weigh", Map.of("m", mass));
+            assertThat(item("pot").physics().scalar("mass")).isEqualTo(mass);
+        }
+    }
+
+    @ParameterizedTest
+    @ValueSource(strings = {"mould", "spill"})
+    void inertiaThatNoBodyHasIsRefused(String action) throws ActionRefused {
+        assertThat(refusal("cook", "pot", action, Map.of("m", List.of(1, 1, 3))))
+                .hasMessageStartingWith("inertia of ").hasMessageEndingWith(" cannot become "
+                        + "[1.0, 1.0, 3.0]: no body has moments of 1.0, 1.0 and 3.0 kg*m^2; "
+                        + "expected none larger than the sum of the two others")
+                .extracting(ActionRefused::code).isEqualTo("out-of-range");
+        assertThat(refusal("cook", "pot", action, Map.of("m", List.of(1, 1e-160, 1))).code())
+                .isEqualTo("out-of-range");
+        act("cook", "pot", action, Map.of("m", List.of(1, 1, 2)));
+        act("cook", "pot", action, Map.of("m", List.of(0, 0, 3)));
+    }
+
+    @Test
+    void aPlaceAtASubnormalDistanceIsRefused() {
+        assertThat(refusal("cook", "pot", "move", Map.of("to", List.of(0, 1e-160, 0))).code())
+                .isEqualTo("out-of-range");
     }
 
     @Test

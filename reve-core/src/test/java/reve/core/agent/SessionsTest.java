@@ -161,8 +161,12 @@ class SessionsTest {
                 + "item duck: colour \"red\": expected #rrggbb",
         "duck | semantic.name | 'swan' | edit-refused | name",
         "duck | semantic.a: {b} | 'x' | edit-refused | \"a: {b}\" is no name of a symbol",
-        "duck | physical.location | [1e308,0,0] | edit-refused | "
-                + "location is 1.0E308, expected at most 1e100",
+        "duck | physical.location | [1e308,0,0] | out-of-range | item duck: location is 1.0E308; "
+                + "an action or an edit sets 0 or a magnitude from 1.0E-100 to 1.0E100",
+        "duck | physics.mass | 1e-160 | out-of-range | item duck: physics.mass is 1.0E-160; an",
+        "duck | physics.mass | -1 | out-of-range | physics.mass is -1.0; expected 0 or more [kg]",
+        "duck | physics.inertia | [1,1,3] | out-of-range | item duck: physics.inertia is "
+                + "[1.0, 1.0, 3.0]; no body has moments of 1.0, 1.0 and 3.0 kg*m^2; expected none",
     })
     void anEditThatDoesNotFitIsRefusedWithAReason(String item, String property, String value,
             String code, String reason) throws IOException {
