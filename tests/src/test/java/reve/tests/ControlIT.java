@@ -24,6 +24,7 @@ import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.server.Persistence;
@@ -271,8 +272,8 @@ class ControlIT {
     /** Serves the world on this thread while an operator works on another. */
     private RunReport serve(Script script) throws Exception {
         WorldPlan plan = new WorldPlan(description, Long.MAX_VALUE,
-                new Persistence(WORLD, recording, store, Optional.of(folder), 10,
-                        SqliteStore.Durability.NORMAL),
+                new Persistence(WORLD, recording.map(RecordingPlan::of), store,
+                        Optional.of(folder), 10, SqliteStore.Durability.NORMAL),
                 new Pictures(folder, List.of()));
         try (WorldServer server = new WorldServer(List.of(plan), Pacing.REAL_TIME,
                 AgentServerConfig.onPort(0), Optional.empty(),

@@ -10,8 +10,6 @@ import java.nio.file.FileSystemException;
 import java.nio.file.Files;
 import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
-import java.nio.file.StandardCopyOption;
-import java.nio.file.StandardOpenOption;
 import java.security.MessageDigest;
 import java.security.NoSuchAlgorithmException;
 import java.time.Instant;
@@ -20,10 +18,10 @@ import java.util.Base64;
 import java.util.HexFormat;
 import java.util.List;
 import java.util.Optional;
-import java.util.Set;
 import java.util.function.LongSupplier;
 import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
+import reve.core.disk.OwnedFile;
 import reve.core.text.Visible;
 import tools.jackson.databind.node.ObjectNode;
 
@@ -45,7 +43,7 @@ final class AuditLog implements Closeable {
     private final Path file;
     private final InstantSource clock;
     private final LongSupplier nanos;
-    private FileChannel out;
+    private OwnedFile out;
     private long size;
     /** Size at which the file is rotated [bytes]. */
     private long fullSize;
@@ -80,21 +78,22 @@ final class AuditLog implements Closeable {
         }
     }
 
-    /** A crash may have left the file in the middle of a record. */
-    private FileChannel open() throws IOException {
-        FileChannel channel = FileChannel.open(file, Set.of(StandardOpenOption.CREATE,
-                StandardOpenOption.WRITE, StandardOpenOption.APPEND), TokenFile.PRIVATE);
-        size = channel.size();
-        fullSize = Files.isRegularFile(file) ? plan.maxBytes() : Long.MAX_VALUE;
-        torn = size > 0 && fullSize < Long.MAX_VALUE && !endsWithLine();
-        return channel;
+    /** A crash may have left the file in the middle of a record, which is looked at unlocked. */
+    private OwnedFile open() throws IOException {
+        boolean regular = !Files.exists(file) || Files.isRegularFile(file);
+        boolean cut = regular && Files.exists(file) && !endsWithLine();
+        OwnedFile opened = OwnedFile.open(file, TokenFile.PRIVATE);
+        size = opened.channel().size();
+        fullSize = regular ? plan.maxBytes() : Long.MAX_VALUE;
+        torn = cut;
+        return opened;
     }
 
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {
             ByteBuffer last = ByteBuffer.allocate(1);
-            in.read(last, size - 1);
-            return last.get(0) == '\n';
+            long end = in.size();
+            return end == 0 || in.read(last, end - 1) < 1 || last.get(0) == '\n';
         }
     }
 
@@ -142,8 +141,18 @@ final class AuditLog implements Closeable {
         return !plan.required() || isWritable();
     }
 
-    /** Why the record cannot be written, or rotated, if so. */
+    /**
+     * Why the record cannot be written or rotated, or is no longer where it was, if so. A file that
+     * was moved or removed takes the record along: a new one begins in its place.
+     */
     synchronized Optional<String> problem() {
+        if (failure == null && !out.isInPlace()) {
+            beginAnew();
+            if (failure == null) {
+                return Optional.of("the audit record " + file + " was moved or removed; a new one"
+                        + " begins there, which lacks what was recorded before");
+            }
+        }
         return isWritable() ? Optional.ofNullable(rotationFailure)
                 : Optional.of("what clients are sent cannot be recorded in " + file + ": " + failure
                         + (plan.required() ? "; clients are disconnected until it can"
@@ -160,6 +169,17 @@ final class AuditLog implements Closeable {
         return unrecorded;
     }
 
+    private void beginAnew() {
+        lastGap = "";
+        closeQuietly(out);
+        try {
+            out = open();
+            rotationFailure = null;
+        } catch (IOException e) {
+            failed(e);
+        }
+    }
+
     /** After a failure, opens the file again once a second, which may be another one then. */
     private boolean isWritable() {
         if (failure == null) {
@@ -169,10 +189,9 @@ final class AuditLog implements Closeable {
             return false;
         }
         triedNanos = nanos.getAsLong();
+        closeQuietly(out); // unlocks it
         try {
-            FileChannel again = open();
-            closeQuietly(out);
-            out = again;
+            out = open();
         } catch (IOException e) {
             failure = reason(e);
             return false;
@@ -196,24 +215,28 @@ final class AuditLog implements Closeable {
         }
         try {
             while (bytes.hasRemaining()) {
-                size += out.write(bytes);
+                size += out.channel().write(bytes);
             }
             torn = false;
             return true;
         } catch (IOException e) {
-            if (missing == 0) {
-                missingSince = clock.instant();
-            }
-            failure = reason(e);
-            triedNanos = nanos.getAsLong();
+            failed(e);
             takeBack(size - bytes.position());
             return false;
         }
     }
 
+    private void failed(IOException e) {
+        if (missing == 0) {
+            missingSince = clock.instant();
+        }
+        failure = reason(e);
+        triedNanos = nanos.getAsLong();
+    }
+
     private void takeBack(long end) {
         try {
-            out.truncate(end);
+            out.channel().truncate(end);
             size = end;
         } catch (IOException e) {
             torn = true;
@@ -223,16 +246,12 @@ final class AuditLog implements Closeable {
     /** The older files move on by one, the oldest is removed. Without success, the file grows. */
     private void rotate() {
         try {
-            for (int i = plan.keep() - 1; i >= 0; i--) {
-                if (Files.exists(older(i))) {
-                    Files.move(older(i), older(i + 1), StandardCopyOption.ATOMIC_MOVE);
-                }
-            }
+            OwnedFile.rotate(file, plan.keep());
         } catch (IOException e) {
             rotationFailed(e);
             return;
         }
-        FileChannel full = out;
+        OwnedFile full = out;
         try {
             out = open();
             rotationFailure = null;
@@ -244,9 +263,9 @@ final class AuditLog implements Closeable {
         closeQuietly(full);
     }
 
-    private static void closeQuietly(FileChannel channel) {
+    private static void closeQuietly(OwnedFile closing) {
         try {
-            channel.close();
+            closing.close();
         } catch (IOException e) {
             // Nothing waits to be written.
         }
@@ -256,10 +275,6 @@ final class AuditLog implements Closeable {
         fullSize = size + plan.maxBytes();
         rotationFailure = "the audit record " + file + " cannot be rotated: " + reason(e)
                 + "; it grows beyond " + plan.maxBytes() + " bytes";
-    }
-
-    private Path older(int number) {
-        return number == 0 ? file : file.resolveSibling(file.getFileName() + "." + number);
     }
 
     private static String withoutPixels(String json) {

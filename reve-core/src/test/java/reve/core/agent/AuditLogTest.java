@@ -166,6 +166,36 @@ class AuditLogTest {
     }
 
     @Test
+    void aFileThatIsMovedOrRemovedBeginsAnewAndIsReportedOnce() throws Exception {
+        try (AuditLog audit = open(AuditPlan.of(file))) {
+            told(audit, "before");
+            assertThat(audit.problem()).isEmpty();
+            Files.move(file, folder.resolve("moved"));
+            assertThat(audit.problem()).get().asString()
+                    .contains(file + " was moved or removed; a new one begins there");
+            told(audit, "after");
+            assertThat(audit.problem()).isEmpty();
+            Files.delete(file);
+            assertThat(audit.problem()).isPresent();
+            told(audit, "last");
+        }
+        assertThat(told(folder.resolve("moved"))).containsExactly("before");
+        assertThat(told(file)).containsExactly("last");
+    }
+
+    @Test
+    void aSecondServerIsRefusedOnTheSameFile() throws Exception {
+        try (AuditLog first = open(AuditPlan.of(file))) {
+            assertThatThrownBy(() -> open(AuditPlan.of(file))).hasMessage("the audit record " + file
+                    + " could not be opened: it is in use by another process; end that one first,"
+                    + " or name another file");
+            assertThat(told(first, "kept")).isTrue();
+        }
+        open(AuditPlan.of(file)).close();
+        assertThat(told(file)).containsExactly("kept");
+    }
+
+    @Test
     void agentsGoOnWhereTheirRecordCannotBeWrittenAndTheOperatorIsTold() throws Exception {
         AgentServerConfig config = AgentRoom.CONFIG.withAudit(AuditPlan.of(FULL));
         try (var room = new AgentRoom(config); TestClient ada = room.join("ada")) {

@@ -6,6 +6,7 @@ import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.Spec;
+import reve.worlds.journal.RecordingPlan;
 
 /** Whether and how far a run is recorded. */
 final class RecordOptions {
@@ -15,8 +16,8 @@ final class RecordOptions {
     private CommandSpec spec = CommandSpec.create();
 
     @Option(names = "--record", paramLabel = "FILE",
-            description = "Record the run, for ./reve replay. "
-                    + "Of several worlds: a folder, in which each has WORLD.log.")
+            description = "Record the run, for ./reve replay. A recording that FILE holds becomes "
+                    + "FILE.1. Of several worlds: a folder, in which each has WORLD.log.")
     private Optional<Path> file = Optional.empty();
 
     @Option(names = "--record-limit", paramLabel = "MIB",
@@ -24,21 +25,33 @@ final class RecordOptions {
                     + "(default: none).")
     private Optional<Integer> limit = Optional.empty();
 
+    @Option(names = "--record-keep", paramLabel = "N",
+            description = "Older recordings that are kept, FILE.1 to FILE.N (default: "
+                    + RecordingPlan.DEFAULT_KEEP + ").")
+    private Optional<Integer> keep = Optional.empty();
+
     Optional<Path> file() {
         return file;
     }
 
     /**
-     * The size at which the recording ends [bytes].
+     * How to record, if a recording is wanted.
      *
-     * @throws ParameterException if it is no size, or there is no recording
+     * @throws ParameterException if the options do not fit together
      */
-    long maxBytes() {
-        if (limit.isPresent() && (limit.get() < 1 || file.isEmpty())) {
-            throw new ParameterException(spec.commandLine(), limit.get() < 1
-                    ? "--record-limit is " + limit.get() + ", expected 1 MiB or more"
-                    : "--record-limit takes --record FILE; found none");
+    Optional<RecordingPlan> plan() {
+        requireFileAndPositive("--record-limit", limit, "1 MiB or more");
+        requireFileAndPositive("--record-keep", keep, "1 or more");
+        long maxBytes = limit.map(size -> size * MEBIBYTE).orElse(Long.MAX_VALUE);
+        return file.map(path -> new RecordingPlan(path, maxBytes,
+                keep.orElse(RecordingPlan.DEFAULT_KEEP)));
+    }
+
+    private void requireFileAndPositive(String option, Optional<Integer> given, String expected) {
+        if (given.isPresent() && (given.get() < 1 || file.isEmpty())) {
+            throw new ParameterException(spec.commandLine(), given.get() < 1
+                    ? option + " is " + given.get() + ", expected " + expected
+                    : option + " takes --record FILE; found none");
         }
-        return limit.map(size -> size * MEBIBYTE).orElse(Long.MAX_VALUE);
     }
 }

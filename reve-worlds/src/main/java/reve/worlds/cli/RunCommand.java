@@ -16,7 +16,8 @@ import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.worlds.journal.Journal;
-import reve.worlds.journal.RunLog;
+import reve.worlds.journal.Recording;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.RunReport;
 import reve.worlds.server.Simulation;
@@ -65,7 +66,7 @@ public final class RunCommand implements Callable<Integer> {
         if (save.isPresent()) {
             save = Optional.of(WritableFile.require(spec, "--save", save.get()));
         }
-        record.maxBytes(); // refuses before any work is done
+        Optional<RecordingPlan> recording = record.plan();
         LawPath lawPath = laws.path(spec).forWorld(world.folder());
         WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
@@ -73,7 +74,7 @@ public final class RunCommand implements Callable<Integer> {
         try (Simulation simulation = new Simulation(description, pacing, lawPath);
                 Interrupt interrupt = new Interrupt(simulation.loop()::stop)) {
             simulation.physics().setLedger(ledger);
-            RunReport report = recorded(simulation, frames, pacing);
+            RunReport report = recorded(simulation, frames, pacing, recording);
             if (save.isPresent()) {
                 WorldFile.save(save.get(), simulation.descriptionNow());
                 simulation.notDescribed().forEach(left -> spec.commandLine().getErr()
@@ -108,15 +109,16 @@ public final class RunCommand implements Callable<Integer> {
         out.flush();
     }
 
-    private RunReport recorded(Simulation simulation, long frames, Pacing pacing)
-            throws IOException {
-        if (record.file().isEmpty()) {
+    private RunReport recorded(Simulation simulation, long frames, Pacing pacing,
+            Optional<RecordingPlan> plan) throws IOException {
+        if (plan.isEmpty()) {
             return run(simulation, frames);
         }
+        Recording recording = new Recording(plan.get());
+        recording.older().ifPresent(older -> spec.commandLine().getErr().println("reve: the "
+                + "recording that was in " + plan.get().file() + " is now " + older));
         try (Journal _ = simulation.journal(world.folder(), Map.of(),
-                new Journal.Plan(0, pacing == Pacing.FAST),
-                RunLog.create(record.file().get(), record.maxBytes()),
-                this::tellRecording)) {
+                new Journal.Plan(0, pacing == Pacing.FAST), recording, this::tellRecording)) {
             return run(simulation, frames);
         } catch (IOError ended) {
             throw new IOException(ended.getCause().getMessage(), ended);

@@ -21,6 +21,7 @@ import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldDescription;
 import reve.core.file.WorldFileException;
 import reve.core.frame.Pacing;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.server.LawPath;
 import reve.worlds.server.Persistence;
@@ -224,10 +225,15 @@ public final class ServeCommand implements Callable<Integer> {
         }
         return new WorldPlan(description,
                 Frames.of(spec, "--seconds", seconds, description.timing()),
-                new Persistence(folder, fileOf(record.file(), description.name() + ".log"),
-                        record.maxBytes(), fileOf(store, description.name() + ".db"), saves,
-                        storeEvery, durability),
+                new Persistence(folder, recording(description.name()),
+                        fileOf(store, description.name() + ".db"), saves, storeEvery, durability),
                 new Pictures(snapshots, pictureFrames), lawPath.forWorld(folder));
+    }
+
+    private Optional<RecordingPlan> recording(String world) {
+        return record.plan().map(plan -> new RecordingPlan(
+                fileOf(Optional.of(plan.file()), world + ".log").orElseThrow(), plan.maxBytes(),
+                plan.keep()));
     }
 
     /** The file of one world: that named or, of several worlds, one in the folder named. */

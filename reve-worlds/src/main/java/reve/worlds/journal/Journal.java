@@ -216,7 +216,7 @@ public final class Journal implements AutoCloseable {
         entry.laws.addAll(laws);
         entry.events = world.events();
         entry.members = members;
-        entry.begins = imageWanted || world.changesLost() > 0
+        entry.begins = imageWanted || writer.beginsAnew() || world.changesLost() > 0
                 || changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
         if (entry.begins || plan.imageFrames > 0 && frame - lastImage >= plan.imageFrames) {
             entry.image = copy(frame, entry.begins && plan.waits);

@@ -1,7 +1,9 @@
 package reve.worlds.journal;
 
 import java.io.IOException;
+import java.nio.file.Path;
 import java.util.List;
+import java.util.Optional;
 
 /** Where a journal is kept. One thread, except where it says otherwise. */
 public interface JournalSink extends AutoCloseable {
@@ -25,6 +27,20 @@ public interface JournalSink extends AutoCloseable {
      * thread, also while another one writes.
      */
     void sync() throws IOException;
+
+    /** Its file, if that was moved or removed: readers do not find there what is written. */
+    default Optional<Path> missing() {
+        return Optional.empty();
+    }
+
+    /**
+     * Begins again with an empty file in place of the one that is missing.
+     *
+     * @throws IOException naming the file, if there can be none
+     */
+    default void beginAnew() throws IOException {
+        throw new UnsupportedOperationException("no file is missing");
+    }
 
     @Override
     void close() throws IOException;

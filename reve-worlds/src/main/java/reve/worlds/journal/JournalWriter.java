@@ -1,6 +1,7 @@
 package reve.worlds.journal;
 
 import java.io.IOException;
+import java.nio.file.Path;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
@@ -22,6 +23,8 @@ final class JournalWriter {
     private static final int SPINS = 1_000;
     private static final long SYNC_MILLISECONDS = 100;
     private static final int LAST_IMAGE_TRIES = 3;
+    /** Time between two looks whether the file is still in its place [ns]. */
+    private static final long LOOK_NANOSECONDS = 1_000_000_000;
     private static final String NOTHING_KEPT = "; nothing is kept until an image can be written";
     private static final long BETWEEN_TRIES_NANOSECONDS = 200_000_000;
 
@@ -38,6 +41,10 @@ final class JournalWriter {
     private final AtomicBoolean syncDue = new AtomicBoolean();
     /** False until an image is kept: what there is has to begin with one. */
     private boolean begun;
+    private final AtomicBoolean beginsAnew = new AtomicBoolean();
+    private long lookedNanos = System.nanoTime();
+    /** The file was moved or removed, and there is no other one in its place yet. */
+    private boolean missing;
     private volatile boolean ending;
     private volatile @Nullable Throwable failure;
 
@@ -64,6 +71,11 @@ final class JournalWriter {
     /** False when it has ended, by a failure perhaps: what waits in the ring then stays there. */
     boolean isWorking() {
         return failure == null && thread.isAlive();
+    }
+
+    /** True once after a new file has begun, which is useless without an image. World's thread. */
+    boolean beginsAnew() {
+        return beginsAnew.get() && beginsAnew.getAndSet(false);
     }
 
     /** Why it has ended, unless it was told to. */
@@ -95,6 +107,10 @@ final class JournalWriter {
             failure = e;
         } finally {
             disk.close();
+            if (begun) {
+                sink.missing().ifPresent(file -> problems.accept(file + " was moved or removed;"
+                        + " what was recorded is no longer there"));
+            }
             attempt(sink::close, "; what was written before is there");
         }
     }
@@ -104,6 +120,7 @@ final class JournalWriter {
             boolean last = ending; // asked first: nothing comes after it
             Entry entry = ring.peek();
             if (entry != null) {
+                lookAfterFile();
                 take(entry);
                 ring.release();
             } else if (last) {
@@ -123,6 +140,35 @@ final class JournalWriter {
         }
         if (ring.peek() == null) {
             LockSupport.park(this);
+        }
+    }
+
+    /** A file that was moved or removed takes what is written along: begins another one. */
+    private void lookAfterFile() {
+        long now = System.nanoTime();
+        if (!begun && !missing || now - lookedNanos < LOOK_NANOSECONDS) {
+            return;
+        }
+        lookedNanos = now;
+        Optional<Path> file = sink.missing();
+        if (file.isEmpty() && !missing) {
+            return;
+        }
+        begun = false;
+        try {
+            sink.beginAnew();
+            missing = false;
+            beginsAnew.set(true);
+            problems.accept(file.map(Path::toString).orElse("the recording")
+                    + " was moved or removed; a new recording begins there,"
+                    + " which lacks the frames before it");
+        } catch (IOException e) {
+            if (!missing) {
+                problems.accept(file.map(Path::toString).orElse("the recording")
+                        + " was moved or removed, and no new recording can begin there: "
+                        + reason(e) + "; nothing is recorded until one can");
+            }
+            missing = true;
         }
     }
 

@@ -41,9 +41,6 @@ public final class RunLog {
     private static final int SHA_BYTES = 32;
     /** Size of a file of frames of a store without any frame [bytes]. */
     static final int LINKED_BYTES = EMPTY_BYTES + HEAD_BYTES + 2 * SUM_BYTES + Link.BYTES;
-    /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
-    private static final int TYPE_BITS = 0170000;
-    private static final int PIPE = 0010000;
 
     private RunLog() {}
 
@@ -71,22 +68,6 @@ public final class RunLog {
         }
     }
 
-    /** Begins a recording in place of what the file held. */
-    public static JournalSink create(Path file) throws IOException {
-        return create(file, Long.MAX_VALUE);
-    }
-
-    /**
-     * As the other one.
-     *
-     * @param maxBytes the recording ends before the first record that it has no room for
-     * @throws IOException if the file holds something else than a recording
-     */
-    public static JournalSink create(Path file, long maxBytes) throws IOException {
-        requireOverwritable(file);
-        return new Writer(file, maxBytes);
-    }
-
     /**
      * The records of a recording, which is read as it goes.
      *
@@ -96,53 +77,39 @@ public final class RunLog {
         return new Reader(file);
     }
 
-    /** A store, a world file or a picture that was named by mistake stays as it is. */
-    private static void requireOverwritable(Path file) throws IOException {
-        if (!Files.isRegularFile(file) || Files.size(file) == 0) {
-            return;
-        }
-        try (InputStream held = Files.newInputStream(file)) {
-            byte[] start = held.readNBytes(MARK.length + Integer.BYTES + 1);
-            boolean recording = Arrays.equals(start, 0, Math.min(start.length, MARK.length),
-                    MARK, 0, MARK.length);
-            boolean stores = start.length > MARK.length + Integer.BYTES
-                    && start[start.length - 1] == LINK;
-            if (!recording || stores) {
-                throw new IOException(file + " is there already and holds no recording; name "
-                        + "another file, or remove it");
-            }
-        }
+    /** Whether a file begins as a recording, or as the part of it that a crash left. */
+    static boolean isRecording(InputStream file) throws IOException {
+        byte[] start = file.readNBytes(MARK.length + Integer.BYTES + 1);
+        boolean stores = start.length > MARK.length + Integer.BYTES
+                && start[start.length - 1] == LINK;
+        return !stores && Arrays.equals(start, 0, Math.min(start.length, MARK.length),
+                MARK, 0, Math.min(start.length, MARK.length));
     }
 
-    /** Adds each record by one write; images at once, whatever thread they come from. */
-    static final class Writer implements JournalSink {
+    /** Adds each record by one write. One thread, but for {@link #force}. */
+    static final class Writer implements AutoCloseable {
         private final Path file;
         private final FileChannel channel;
         private final long maxBytes;
         private final Set<String> libraries = new HashSet<>();
         private boolean full;
 
-        /** A recording. */
-        Writer(Path file, long maxBytes) throws IOException {
-            this(file, maxBytes, ByteBuffer.wrap(MARK));
+        /** A recording, in an empty file, which the writer closes. */
+        Writer(Path file, FileChannel channel, long maxBytes) throws IOException {
+            this(file, channel, maxBytes, ByteBuffer.wrap(MARK));
         }
 
         /** A file of frames of a store. */
         Writer(Path file, Link link) throws IOException {
-            this(file, Long.MAX_VALUE, ByteBuffer.allocate(LINKED_BYTES).put(MARK)
+            this(file, emptied(file), Long.MAX_VALUE, ByteBuffer.allocate(LINKED_BYTES).put(MARK)
                     .put(link.encoded()).flip());
         }
 
-        private Writer(Path file, long maxBytes, ByteBuffer start) throws IOException {
+        private Writer(Path file, FileChannel channel, long maxBytes, ByteBuffer start)
+                throws IOException {
             this.file = file;
+            this.channel = channel;
             this.maxBytes = maxBytes;
-            refusePipe(file);
-            try {
-                channel = FileChannel.open(file, StandardOpenOption.CREATE,
-                        StandardOpenOption.WRITE, StandardOpenOption.TRUNCATE_EXISTING);
-            } catch (IOException e) {
-                throw failed(e);
-            }
             try {
                 add(start);
             } catch (IOException e) {
@@ -151,16 +118,16 @@ public final class RunLog {
             }
         }
 
-        /** What is not written whole is taken back, which a pipe does not do; it may block, too. */
-        private static void refusePipe(Path file) throws IOException {
-            if (Files.exists(file)
-                    && ((int) Files.getAttribute(file, "unix:mode") & TYPE_BITS) == PIPE) {
-                throw new IOException(file + " is a pipe, expected a file");
+        private static FileChannel emptied(Path file) throws IOException {
+            try {
+                return FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE,
+                        StandardOpenOption.TRUNCATE_EXISTING);
+            } catch (IOException e) {
+                throw FileTrouble.of(file, "written", e);
             }
         }
 
-        @Override
-        public void write(JournalRecord record) throws IOException {
+        void write(JournalRecord record) throws IOException {
             switch (record) {
                 case JournalRecord.Library library -> {
                     if (!libraries.contains(library.sha256())) {
@@ -172,21 +139,6 @@ public final class RunLog {
                 case JournalRecord.Image image -> add(encoded('I', image.frame(), image.bytes()));
                 case JournalRecord.Frame frame -> add(encoded('F', frame.frame(), frame.json()));
             }
-        }
-
-        @Override
-        public Place place() {
-            return (needed, image) -> {
-                for (JournalRecord.Library library : needed) {
-                    write(library);
-                }
-                write(image);
-            };
-        }
-
-        @Override
-        public void sync() {
-            // a recording is only there to be looked at later
         }
 
         /** Waits until what was written outlives a power failure. Any thread. */

@@ -8,6 +8,8 @@ import java.util.Locale;
 import java.util.Map;
 import java.util.Optional;
 import org.jspecify.annotations.Nullable;
+import org.slf4j.Logger;
+import org.slf4j.LoggerFactory;
 import reve.core.agent.WorldPort;
 import reve.core.file.AgentPolicy;
 import reve.core.frame.FrameEvent;
@@ -16,7 +18,7 @@ import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawFolder;
 import reve.worlds.Product;
 import reve.worlds.journal.Journal;
-import reve.worlds.journal.RunLog;
+import reve.worlds.journal.Recording;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.render.Renderer;
 
@@ -25,6 +27,8 @@ import reve.worlds.render.Renderer;
  * the world then; {@link #stop} is for any thread.
  */
 final class HostedWorld implements AutoCloseable {
+    private static final Logger LOG = LoggerFactory.getLogger("reve.worlds");
+
     private final Closing closing = new Closing();
     private final WorldPlan plan;
     private final Optional<Path> lawsFolder;
@@ -34,6 +38,7 @@ final class HostedWorld implements AutoCloseable {
     private final ServerControl control;
     private final BodyCameras cameras;
     private final @Nullable LawFolder laws;
+    private Optional<Path> olderRecording = Optional.empty();
 
     /**
      * Builds the world, loads its laws, and opens what it is kept in.
@@ -87,15 +92,17 @@ final class HostedWorld implements AutoCloseable {
                     problem -> tellProblem("store", problem)));
         }
         if (persistence.recording().isPresent()) {
+            Recording recording = new Recording(persistence.recording().get());
+            olderRecording = recording.older();
             closing.add(simulation.journal(persistence.folder(), Map.of(),
-                    new Journal.Plan(0, waits),
-                    RunLog.create(persistence.recording().get(), persistence.recordingBytes()),
+                    new Journal.Plan(0, waits), recording,
                     problem -> tellProblem("recording", problem)));
         }
     }
 
     /** Something failed that is no matter of one law. Any thread. */
     void tellProblem(String source, String message) {
+        LOG.warn("{}: {}: {}", name(), source, message);
         events.happened("fault", WorldServer.fault(source, message));
     }
 
@@ -134,7 +141,9 @@ final class HostedWorld implements AutoCloseable {
             fields.put("frame", simulation.loop().frame());
             fields.put("stateHash", String.format(Locale.ROOT, "%016x", world.stateHash()));
         });
-        plan.persistence().recording().ifPresent(file -> fields.put("recording", file.toString()));
+        plan.persistence().recording()
+                .ifPresent(recording -> fields.put("recording", recording.file().toString()));
+        olderRecording.ifPresent(file -> fields.put("olderRecording", file.toString()));
         fields.put("pid", ProcessHandle.current().pid());
         events.happened("ready", fields);
     }

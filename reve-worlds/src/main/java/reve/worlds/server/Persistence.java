@@ -2,26 +2,18 @@ package reve.worlds.server;
 
 import java.nio.file.Path;
 import java.util.Optional;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.SqliteStore;
 
 /**
  * What is kept of a world while it runs.
  *
  * @param folder of the world file
- * @param recording file to record the run in
- * @param recordingBytes size at which the recording ends [bytes]
+ * @param recording of the run, if there is to be one
  * @param store file that the world lives in
  * @param saves folder for world files that are saved while the world runs
  * @param imageSeconds an image goes to the store every so much world time [s]
  * @param durability of the store
  */
-public record Persistence(Path folder, Optional<Path> recording, long recordingBytes,
-        Optional<Path> store, Optional<Path> saves, double imageSeconds,
-        SqliteStore.Durability durability) {
-
-    /** A recording without a limit. */
-    public Persistence(Path folder, Optional<Path> recording, Optional<Path> store,
-            Optional<Path> saves, double imageSeconds, SqliteStore.Durability durability) {
-        this(folder, recording, Long.MAX_VALUE, store, saves, imageSeconds, durability);
-    }
-}
+public record Persistence(Path folder, Optional<RecordingPlan> recording, Optional<Path> store,
+        Optional<Path> saves, double imageSeconds, SqliteStore.Durability durability) {}

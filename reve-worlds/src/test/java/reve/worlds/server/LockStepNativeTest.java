@@ -28,6 +28,8 @@ import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalRecord;
+import reve.worlds.journal.Recording;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreContents;
@@ -54,7 +56,8 @@ class LockStepNativeTest {
                 AgentServer server = AgentServer.start(AgentServerConfig.onPort(0),
                         List.of(port(description, simulation)), (source, problem) -> { });
                 Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(0, true), RunLog.create(log), problem -> {
+                        new Journal.Plan(0, true), new Recording(RecordingPlan.of(log)),
+                        problem -> {
                             throw new AssertionError(problem);
                         });
                 Socket agent = new Socket(server.address().getAddress(),
@@ -82,7 +85,8 @@ class LockStepNativeTest {
                         AgentServerConfig.onPort(0).withDeadline(Duration.ofSeconds(60)),
                         List.of(port(description, simulation)), (source, problem) -> { });
                 Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
-                        new Journal.Plan(0, true), RunLog.create(log), problem -> {
+                        new Journal.Plan(0, true), new Recording(RecordingPlan.of(log)),
+                        problem -> {
                             throw new AssertionError(problem);
                         });
                 Line ada = new Line(server, "{'t':'hello','protocol':1,'name':'ada','time':"

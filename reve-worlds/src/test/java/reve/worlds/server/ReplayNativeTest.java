@@ -34,6 +34,8 @@ import reve.core.world.Shape;
 import reve.worlds.journal.Journal;
 import reve.worlds.journal.JournalRecord;
 import reve.worlds.journal.JournalSink;
+import reve.worlds.journal.Recording;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SimulationImage;
 
@@ -396,7 +398,7 @@ class ReplayNativeTest {
 
     private Journal journal(Simulation simulation) throws IOException {
         return simulation.journal(WORLD.getParent(), Map.of(), new Journal.Plan(0, true),
-                RunLog.create(log), problem -> {
+                new Recording(RecordingPlan.of(log)), problem -> {
                     throw new AssertionError(problem);
                 });
     }
@@ -445,7 +447,8 @@ class ReplayNativeTest {
 
     /** Copies the recording with one text of its inputs exchanged, and right checksums. */
     private void forge(Path to, String text, String other) throws IOException {
-        try (RunLog.Reader records = RunLog.open(log); JournalSink sink = RunLog.create(to)) {
+        try (RunLog.Reader records = RunLog.open(log);
+                JournalSink sink = new Recording(RecordingPlan.of(to))) {
             while (records.hasNext()) {
                 JournalRecord record = records.next();
                 sink.write(record instanceof JournalRecord.Frame frame

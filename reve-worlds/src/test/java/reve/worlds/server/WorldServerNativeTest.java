@@ -13,6 +13,7 @@ import org.junit.jupiter.api.io.TempDir;
 import reve.core.agent.AgentServerConfig;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.SqliteStore;
 
 /** What a server reports when a world of it fails. */
@@ -23,8 +24,8 @@ class WorldServerNativeTest {
     private WorldPlan plan(String world, long frames, Optional<Path> recording) throws Exception {
         Path file = Files.writeString(folder.resolve(world + ".yaml"),
                 "reve: 1\nname: " + world + "\nitems: []\n");
-        var persistence = new Persistence(folder, recording, Optional.empty(), Optional.empty(), 10,
-                SqliteStore.Durability.NORMAL);
+        var persistence = new Persistence(folder, recording.map(RecordingPlan::of),
+                Optional.empty(), Optional.empty(), 10, SqliteStore.Durability.NORMAL);
         return new WorldPlan(WorldFile.load(file), frames, persistence,
                 new Pictures(folder, List.of()));
     }

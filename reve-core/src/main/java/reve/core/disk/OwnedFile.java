@@ -1,0 +1,127 @@
+package reve.core.disk;
+
+import java.io.Closeable;
+import java.io.IOException;
+import java.nio.channels.FileChannel;
+import java.nio.channels.OverlappingFileLockException;
+import java.nio.file.FileSystemException;
+import java.nio.file.Files;
+import java.nio.file.LinkOption;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
+import java.nio.file.StandardOpenOption;
+import java.nio.file.attribute.BasicFileAttributes;
+import java.nio.file.attribute.FileAttribute;
+import java.util.Optional;
+import java.util.Set;
+
+/**
+ * A file that one process appends to: it is locked until it is closed or the process ends. Devices
+ * and pipes are not locked. While it is open, this process must not open the file in another way,
+ * because the system would release the lock when that other channel is closed. One thread.
+ */
+public final class OwnedFile implements Closeable {
+    private static final int TRIES = 5;
+
+    private final Path path;
+    private final FileChannel channel;
+    private final Optional<Object> key;
+
+    private OwnedFile(Path path, FileChannel channel, Optional<Object> key) {
+        this.path = path;
+        this.channel = channel;
+        this.key = key;
+    }
+
+    /**
+     * Opens a file, or makes it with these attributes.
+     *
+     * @throws IOException if that fails, or another process has the file
+     */
+    public static OwnedFile open(Path path, FileAttribute<?>... attributes) throws IOException {
+        for (int i = 0; i < TRIES; i++) {
+            Optional<Object> before = key(path);
+            FileChannel channel = FileChannel.open(path, Set.of(StandardOpenOption.CREATE,
+                    StandardOpenOption.WRITE, StandardOpenOption.APPEND), attributes);
+            try {
+                if (Files.isRegularFile(path)) {
+                    lock(path, channel);
+                }
+            } catch (IOException e) {
+                channel.close();
+                throw e;
+            }
+            Optional<Object> after = key(path);
+            if (after.isPresent() && (before.isEmpty() || before.equals(after))) {
+                return new OwnedFile(path, channel, after);
+            }
+            channel.close(); // it was moved between the two steps
+        }
+        throw new FileSystemException(path.toString(), null,
+                "something moves or removes it again and again");
+    }
+
+    private static void lock(Path path, FileChannel channel) throws IOException {
+        boolean locked;
+        try {
+            locked = channel.tryLock() != null;
+        } catch (OverlappingFileLockException ofThisProcess) {
+            locked = false;
+        }
+        if (!locked) {
+            throw new FileSystemException(path.toString(), null, "it is in use by another process;"
+                    + " end that one first, or name another file");
+        }
+    }
+
+    private static Optional<Object> key(Path path) throws IOException {
+        try {
+            return Optional.of(Files.readAttributes(path, BasicFileAttributes.class).fileKey());
+        } catch (NoSuchFileException none) {
+            return Optional.empty();
+        }
+    }
+
+    public FileChannel channel() {
+        return channel;
+    }
+
+    /** Whether its path still leads to the file, which was neither moved nor removed. */
+    public boolean isInPlace() {
+        try {
+            return key(path).equals(key);
+        } catch (IOException unknown) {
+            return false;
+        }
+    }
+
+    /**
+     * Renames a file to {@code FILE.1}. Older files move on by one number, up to the first free
+     * number; if there is none, the oldest is replaced.
+     *
+     * @param keep how many older files there may be, 1 or more
+     * @return where the file is now
+     */
+    public static Path rotate(Path file, int keep) throws IOException {
+        int free = 1;
+        while (free < keep && Files.exists(older(file, free), LinkOption.NOFOLLOW_LINKS)) {
+            free++;
+        }
+        for (int i = free; i > 0; i--) {
+            Files.move(older(file, i - 1), older(file, i), StandardCopyOption.ATOMIC_MOVE);
+        }
+        return older(file, 1);
+    }
+
+    /** The path of an older file; 0 stands for the file itself. */
+    public static Path older(Path file, int number) {
+        return number == 0 ? file : file.resolveSibling(file.getFileName() + "." + number);
+    }
+
+    /** Releases the lock. May be called twice. */
+    @Override
+    public void close() throws IOException {
+        channel.close();
+    }
+}

@@ -1,0 +1,5 @@
+/** Files that a process writes for as long as it runs. */
+@NullMarked
+package reve.core.disk;
+
+import org.jspecify.annotations.NullMarked;

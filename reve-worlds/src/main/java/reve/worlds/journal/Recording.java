@@ -1,0 +1,147 @@
+package reve.worlds.journal;
+
+import java.io.IOException;
+import java.io.InputStream;
+import java.nio.channels.FileChannel;
+import java.nio.file.AccessDeniedException;
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.Optional;
+import reve.core.disk.OwnedFile;
+
+/**
+ * A recording that is being made, in a file that no other process may write meanwhile. An older
+ * recording is moved out of its way.
+ */
+public final class Recording implements JournalSink {
+    /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
+    private static final int TYPE_BITS = 0170000;
+    private static final int PIPE = 0010000;
+
+    private final RecordingPlan plan;
+    private final Path file;
+    private Optional<Path> older = Optional.empty();
+    private OwnedFile owned;
+    private RunLog.Writer writer;
+
+    /**
+     * Begins a recording. A recording that the file holds becomes {@code FILE.1}, unless there is
+     * nothing in it to replay.
+     *
+     * @throws IOException if the file cannot be written, is in use by another process, or holds
+     *     something else than a recording
+     */
+    public Recording(RecordingPlan plan) throws IOException {
+        this.plan = plan;
+        this.file = plan.file();
+        owned = open();
+        writer = writer();
+    }
+
+    private OwnedFile open() throws IOException {
+        refusePipe();
+        requireRecording(file); // reads it, which would unlock it later
+        try {
+            OwnedFile found = OwnedFile.open(file);
+            if (!Files.isRegularFile(file) || found.channel().size() <= RunLog.EMPTY_BYTES) {
+                return found;
+            }
+            try (found) {
+                older = Optional.of(rotated());
+            }
+            return OwnedFile.open(file);
+        } catch (IOException e) {
+            throw FileTrouble.of(file, "opened", e);
+        }
+    }
+
+    /** The lock is held until a new file is at the path, so that two servers do not both move. */
+    private Path rotated() throws IOException {
+        requireRecording(OwnedFile.older(file, plan.keep()));
+        try {
+            return OwnedFile.rotate(file, plan.keep());
+        } catch (IOException e) {
+            throw new IOException("it holds a recording, which could not be moved to "
+                    + OwnedFile.older(file, 1) + ": " + FileTrouble.reason(file, e), e);
+        }
+    }
+
+    private RunLog.Writer writer() throws IOException {
+        try {
+            FileChannel empty = owned.channel();
+            if (Files.isRegularFile(file)) {
+                empty.truncate(0);
+            }
+            return new RunLog.Writer(file, empty, plan.maxBytes());
+        } catch (IOException e) {
+            owned.close();
+            throw e;
+        }
+    }
+
+    /** What is not written whole is taken back, which a pipe does not do; it may block, too. */
+    private void refusePipe() throws IOException {
+        if (Files.exists(file)
+                && ((int) Files.getAttribute(file, "unix:mode") & TYPE_BITS) == PIPE) {
+            throw new IOException(file + " is a pipe, expected a file");
+        }
+    }
+
+    /** A store, a world file or a picture that was named by mistake stays as it is. */
+    private static void requireRecording(Path named) throws IOException {
+        if (!Files.isRegularFile(named) || Files.size(named) == 0) {
+            return;
+        }
+        try (InputStream held = Files.newInputStream(named)) {
+            if (!RunLog.isRecording(held)) {
+                throw new IOException(named + " is there already and holds no recording; name "
+                        + "another file, or remove it");
+            }
+        } catch (AccessDeniedException e) {
+            throw FileTrouble.of(named, "read", e);
+        }
+    }
+
+    /** Where the recording is now that the file held before, if there was one. */
+    public Optional<Path> older() {
+        return older;
+    }
+
+    @Override
+    public void write(JournalRecord record) throws IOException {
+        writer.write(record);
+    }
+
+    @Override
+    public Place place() {
+        return (libraries, image) -> {
+            for (JournalRecord.Library library : libraries) {
+                write(library);
+            }
+            write(image);
+        };
+    }
+
+    @Override
+    public void sync() {
+        // a recording is only there to be looked at later
+    }
+
+    @Override
+    public Optional<Path> missing() {
+        return owned.isInPlace() ? Optional.empty() : Optional.of(file);
+    }
+
+    @Override
+    public void beginAnew() throws IOException {
+        OwnedFile fresh = open();
+        owned.close();
+        owned = fresh;
+        writer = writer();
+    }
+
+    @Override
+    public void close() throws IOException {
+        writer.close();
+    }
+}
