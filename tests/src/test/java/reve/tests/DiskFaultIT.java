@@ -67,6 +67,33 @@ class DiskFaultIT {
     }
 
     @Test
+    void aServerWhoseLastImageDoesNotFitFailsAndSaysWhatItsStoreContinuesFrom() throws Exception {
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                "--store", store.toString())) {
+            server.port();
+            Path frames = Path.of(store + "-frames-1");
+            while (!Files.exists(frames) || Files.size(frames) < 10_000) { // the image is kept
+                Thread.onSpinWait();
+            }
+            String pid = String.valueOf(server.process().pid());
+            assertThat(new ProcessBuilder("prlimit", "--pid", pid, "--fsize=64").start()
+                    .waitFor()).isZero();
+            server.events().await("fault", event -> event.path("message").asString()
+                    .contains("loses the frames from"));
+            server.process().toHandle().destroy();
+            JsonNode fault = server.events().await("fault", event -> event.path("message")
+                    .asString().contains("its last image could not be written"));
+            JsonNode end = server.events().await("end", event -> true);
+            assertThat(server.exitCode()).isEqualTo(1);
+            String message = fault.path("message").asString();
+            assertThat(end.at("/unkept/0").asString()).isEqualTo(message);
+            long resumed = resumed().path("frame").asLong();
+            assertThat(message).startsWith(store + ": ").contains("continues from frame " + resumed
+                    + ", frames " + (resumed + 1) + " to " + end.path("frames").asLong());
+        }
+    }
+
+    @Test
     void aRunWhoseRecordingDoesNotFitOnTheDiskFails() throws Exception {
         Path recording = folder.resolve("run.log");
         Outcome outcome = Reve.run(limited(Reve.command("run", WORLD, "--seconds", "310",

@@ -155,6 +155,7 @@ public final class ServeCommand implements Callable<Integer> {
                     server.start();
                     report = server.run();
                 }
+                report = report.withUnkept(server.unkept());
                 events.end(report);
                 return interrupt.endsWith(report.failed());
             }

@@ -7,6 +7,7 @@ import java.util.ArrayList;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.Queue;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.locks.LockSupport;
@@ -59,9 +60,11 @@ public final class Journal implements AutoCloseable {
     private int earlyCount;
     private long lastImage = -1;
     private long lastFrame;
+    private boolean published;
     private boolean imageWanted = true;
     /** Whether the disk is behind, and frames no longer wait for it. */
     private boolean behind;
+    private Optional<Shortfall> shortfall = Optional.empty();
 
     /**
      * @param imageFrames an image is written every so many frames; 0 for the first one only
@@ -69,6 +72,23 @@ public final class Journal implements AutoCloseable {
      *     paces it; else, after a second, the operator is told, and the world goes on
      */
     public record Plan(long imageFrames, boolean waits) {}
+
+    /**
+     * A journal with images that has ended without the last one.
+     *
+     * @param reached frame that what is kept leads to, -1 if nothing of the run is kept
+     * @param last frame that was published
+     */
+    public record Shortfall(long reached, long last) {
+        @Override
+        public String toString() {
+            return "its last image could not be written; it "
+                    + (reached < 0 ? "holds what it held before, and nothing of this run"
+                    : "continues from frame " + reached)
+                    + (reached < last && last > 0 ? ", frames " + (reached + 1) + " to " + last
+                    + " are lost" : ", no frame is lost");
+        }
+    }
 
     /**
      * Begins with an image of the next frame that is published.
@@ -118,6 +138,15 @@ public final class Journal implements AutoCloseable {
         rooms.forEach(SimulationImage::close);
         writer.failure().ifPresent(failure ->
                 problems.accept("the journal has ended before its last image: " + failure));
+        boolean lacks = !writer.isLastImageKept() || writer.reached() < lastFrame;
+        if (plan.imageFrames > 0 && published && lacks) {
+            shortfall = Optional.of(new Shortfall(writer.reached(), lastFrame));
+        }
+    }
+
+    /** What is missing from a closed journal with images, if something is. */
+    public Optional<Shortfall> shortfall() {
+        return shortfall;
     }
 
     private void keepLastImage() {
@@ -180,6 +209,7 @@ public final class Journal implements AutoCloseable {
         Entry entry = plan.waits ? waitForEntry() : ring.next();
         requireWriter();
         lastFrame = frame.frame();
+        published = true;
         followMembers();
         if (entry == null) {
             skip(frame.frame());

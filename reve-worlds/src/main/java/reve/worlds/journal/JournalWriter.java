@@ -41,6 +41,9 @@ final class JournalWriter {
     private final AtomicBoolean syncDue = new AtomicBoolean();
     /** False until an image is kept: what there is has to begin with one. */
     private boolean begun;
+    /** Frame that what is kept leads to without a gap, -1 for none. Final when the writer ends. */
+    private long reached = -1;
+    private boolean lastImageKept = true;
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
     /** The file was moved or removed, and there is no other one in its place yet. */
@@ -81,6 +84,16 @@ final class JournalWriter {
     /** Why it has ended, unless it was told to. */
     Optional<Throwable> failure() {
         return Optional.ofNullable(failure);
+    }
+
+    /** After the end: the frame that what is kept leads to without a gap, -1 for none. */
+    long reached() {
+        return reached;
+    }
+
+    /** After the end: whether the image of the end is kept, if there was to be one. */
+    boolean isLastImageKept() {
+        return lastImageKept && failure == null;
     }
 
     /** Waits until everything that was handed over is written and the sink is closed. */
@@ -202,11 +215,15 @@ final class JournalWriter {
                     ? "; the recording ends before frame " + entry.frame
                     : "; a crash before the next image loses the frames from " + entry.frame
                     + " on");
+            if (begun) {
+                reached = entry.frame;
+            }
         }
         if (entry.image != null) {
             SimulationImage image = entry.image;
             if (!attempt(() -> keepImage(entry, image), NOTHING_KEPT)) {
                 begun = false;
+                lastImageKept &= !entry.last;
             }
         }
     }
@@ -245,8 +262,10 @@ final class JournalWriter {
             rooms.add(image); // else given back when it is written
             throw e;
         }
-        if (entry.begins || !begun) {
+        if (entry.begins || entry.last || !begun) {
             begun = kept.join();
+            lastImageKept &= begun || !entry.last;
+            reached = begun ? entry.frame : reached;
         }
     }
 

@@ -38,6 +38,8 @@ final class HostedWorld implements AutoCloseable {
     private final ServerControl control;
     private final BodyCameras cameras;
     private final @Nullable LawFolder laws;
+    private @Nullable Journal storeJournal;
+    private Optional<String> unkept = Optional.empty();
     private Optional<Path> olderRecording = Optional.empty();
 
     /**
@@ -85,7 +87,7 @@ final class HostedWorld implements AutoCloseable {
         if (stored.isPresent()) {
             long frames = Math.max(1, Math.round(persistence.imageSeconds()
                     * plan.description().timing().framesPerSecond()));
-            closing.add(simulation.journal(persistence.folder(), Map.of(),
+            storeJournal = closing.add(simulation.journal(persistence.folder(), Map.of(),
                     new Journal.Plan(frames, waits
                             || persistence.durability() == SqliteStore.Durability.FULL),
                     stored.get().store(),
@@ -165,6 +167,16 @@ final class HostedWorld implements AutoCloseable {
     public void close() {
         simulation.world().guard().claim();
         closing.close();
+        if (unkept.isEmpty() && storeJournal != null) {
+            unkept = storeJournal.shortfall().map(shortfall ->
+                    plan.persistence().store().orElseThrow() + ": " + shortfall);
+            unkept.ifPresent(problem -> tellProblem("store", problem));
+        }
+    }
+
+    /** After close: what the store lacks, if it lacks something. */
+    Optional<String> unkept() {
+        return unkept;
     }
 
     private void tellEvents(FrameEvent frame) {

@@ -12,18 +12,26 @@ import reve.core.agent.AgentStats;
  *
  * @param runs of the worlds that did not fail
  * @param worlds how many there were
+ * @param unkept what their stores lack
  */
-public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) {
+public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents,
+        List<String> unkept) {
     public ServerReport {
         runs = List.copyOf(runs);
+        unkept = List.copyOf(unkept);
+    }
+
+    /** The same run, of which stores lack something. */
+    public ServerReport withUnkept(List<String> messages) {
+        return new ServerReport(runs, worlds, agents, messages);
     }
 
     /**
-     * True if a world ended by a failure, or messages lack their audit record. A fault event has
-     * reported it when it happened.
+     * True if a world ended by a failure, messages lack their audit record, or a store lacks the
+     * end of the run. A fault event has reported it when it happened.
      */
     public boolean failed() {
-        return runs.size() < worlds || agents.unrecorded() > 0;
+        return runs.size() < worlds || agents.unrecorded() > 0 || !unkept.isEmpty();
     }
 
     /** For JSON; the caller may add to it. */
@@ -43,6 +51,9 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) 
         agentFields.put("cut", agents.cut());
         agentFields.put("unrecorded", agents.unrecorded());
         fields.put("agents", agentFields);
+        if (!unkept.isEmpty()) {
+            fields.put("unkept", unkept);
+        }
         return fields;
     }
 
@@ -56,5 +67,6 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents) 
         if (agents.unrecorded() > 0) {
             out.printf(Locale.ROOT, "audit: %d messages have no record%n", agents.unrecorded());
         }
+        unkept.forEach(message -> out.println("store: " + message));
     }
 }

@@ -104,7 +104,7 @@ public final class WorldServer implements AutoCloseable {
         runs.forEach(Run::join);
         return new ServerReport(runs.stream().flatMap(run -> Optional.ofNullable(run.report)
                 .stream())
-                .toList(), worlds.size(), agents.stats());
+                .toList(), worlds.size(), agents.stats(), List.of());
     }
 
     /** One world on a thread of its own. */
@@ -144,6 +144,11 @@ public final class WorldServer implements AutoCloseable {
     /** Ends {@link #run} after the worlds' frames. Any thread. */
     public void stop() {
         worlds.forEach(HostedWorld::stop);
+    }
+
+    /** After close: what the stores of the worlds lack, one message for each such store. */
+    public List<String> unkept() {
+        return worlds.stream().flatMap(world -> world.unkept().stream()).toList();
     }
 
     /** Says goodbye to agents, finishes pictures, frees everything. May be called twice. */
