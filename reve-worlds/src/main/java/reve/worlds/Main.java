@@ -1,5 +1,8 @@
 package reve.worlds;
 
+import java.io.FileDescriptor;
+import java.io.FileOutputStream;
+import java.io.OutputStream;
 import java.io.PrintWriter;
 import java.util.List;
 import java.util.stream.Stream;
@@ -50,7 +53,7 @@ import reve.worlds.cli.TokenCommand;
             "Exit codes: 0 done, 1 failed, 2 wrong usage, 3 invalid world file,",
             "4 a law or the native engine could not be loaded, 5 the port could not be bound,",
             "or the address takes tokens and TLS, 6 a world stood still (serve --stalled exit),",
-            "137 out of memory.",
+            "137 out of memory, 141 the reader of standard output has gone.",
         })
 public final class Main {
     private static final String CHECKOUT = "./reve";
@@ -75,15 +78,20 @@ public final class Main {
     private Main() {}
 
     public static void main(String[] arguments) {
-        System.exit(run(arguments));
+        System.exit(run(new FileOutputStream(FileDescriptor.out), arguments));
     }
 
     /** Runs one command line and returns its exit code; for tests. */
     public static int run(String... arguments) {
+        return run(System.out, arguments);
+    }
+
+    private static int run(OutputStream stream, String... arguments) {
         CommandLine line = new CommandLine(new Main());
         String name = System.getProperty("reve.name", CHECKOUT);
         line.setCommandName(name);
-        line.setOut(new LinePrinter(System.out));
+        LinePrinter out = new LinePrinter(stream);
+        line.setOut(out);
         line.setErr(new LinePrinter(System.err));
         UsageMessageSpec usage = line.getCommandSpec().usageMessage();
         List<String> launcher = name.equals(CHECKOUT) ? LAUNCHER : INSTALLED;
@@ -96,7 +104,7 @@ public final class Main {
             line.usage(System.err);
             return ExitCode.USAGE;
         }
-        return line.execute(arguments);
+        return out.codeAfter(line.execute(arguments), line.getErr());
     }
 
     /** What is wrong, and where to read what is right: all of it would hide the former. */

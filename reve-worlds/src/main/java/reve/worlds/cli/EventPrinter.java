@@ -15,7 +15,8 @@ import reve.worlds.server.ServerReport;
 
 /**
  * Writes what happens in a server to standard output on a thread of its own, so that a reader who
- * does not read never holds a frame up: past 10,000 waiting lines, lines are dropped and counted.
+ * does not read never holds a frame up: past 10,000 waiting lines, lines are dropped and counted,
+ * as are lines that a full or closed output does not take.
  * Nobody wakes that thread: it looks for lines every few milliseconds.
  */
 final class EventPrinter implements ServerEvents, AutoCloseable {
@@ -23,18 +24,23 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
     private static final long LOOK_NANOS = 10_000_000;
     private static final Event LAST = new Event("", Map.of());
 
-    private final PrintWriter out;
+    private final LinePrinter out;
+    private final PrintWriter err;
     private final boolean json;
     private final Printed printed;
     private final Queue<Event> events = new ConcurrentLinkedQueue<>();
     private final AtomicInteger waiting = new AtomicInteger();
     private final AtomicLong dropped = new AtomicLong();
+    /** The last event could not be written. The printer's own. */
+    private boolean failing;
     private final Thread printer = new Thread(this::print, "event printer");
 
     private record Event(String name, Map<String, Object> fields) {}
 
-    EventPrinter(PrintWriter out, boolean json, Printed printed) {
+    /** @param err where it reports that events are lost, because they cannot be written */
+    EventPrinter(LinePrinter out, PrintWriter err, boolean json, Printed printed) {
         this.out = out;
+        this.err = err;
         this.json = json;
         this.printed = printed;
         printer.setDaemon(true);
@@ -105,8 +111,27 @@ final class EventPrinter implements ServerEvents, AutoCloseable {
                 LockSupport.parkNanos(LOOK_NANOS);
             } else {
                 waiting.decrementAndGet();
-                out.println(json ? jsonLine(event) : textLine(event));
+                print(event);
             }
+        }
+    }
+
+    /** A full or closed output costs events; the worlds go on. */
+    private void print(Event event) {
+        long failures = out.watched().failures();
+        out.println(json ? jsonLine(event) : textLine(event));
+        if (out.watched().failures() > failures) {
+            dropped.incrementAndGet();
+            if (!failing) {
+                err.println("reve: standard output cannot be written: "
+                        + out.watched().reason().orElseThrow()
+                        + "; the worlds go on, and events are lost until it can");
+            }
+            failing = true;
+        } else if (failing) {
+            failing = false;
+            err.println("reve: standard output can be written again; " + dropped.get()
+                    + " events have been lost so far");
         }
     }
 

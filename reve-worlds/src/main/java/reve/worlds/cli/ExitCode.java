@@ -13,6 +13,8 @@ public final class ExitCode {
     public static final int PHYSICS = 4;
     public static final int CANNOT_BIND = 5;
     public static final int STALLED = 6;
+    /** What shells report of a program that the signal SIGPIPE has ended. */
+    public static final int CLOSED_PIPE = 128 + 13;
 
     private ExitCode() {}
 

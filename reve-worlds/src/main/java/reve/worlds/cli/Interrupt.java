@@ -2,6 +2,7 @@ package reve.worlds.cli;
 
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
+import picocli.CommandLine.Model.CommandSpec;
 
 /**
  * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as
@@ -13,17 +14,20 @@ final class Interrupt implements AutoCloseable {
 
     private final CountDownLatch reported = new CountDownLatch(1);
     private final Thread hook;
+    private final CommandSpec spec;
     private volatile int code = ExitCode.FAILURE;
 
     /** @param stop asks the command to end soon; called on another thread */
-    Interrupt(Runnable stop) {
+    Interrupt(CommandSpec spec, Runnable stop) {
+        this.spec = spec;
         hook = new Thread(() -> endWith(stop), "interrupt");
         Runtime.getRuntime().addShutdownHook(hook);
     }
 
     /** Returns the exit code of the command, which holds for an interrupted one, too. */
     int endsWith(boolean failed) {
-        code = failed ? ExitCode.FAILURE : ExitCode.OK;
+        code = ((LinePrinter) spec.commandLine().getOut()).codeAfter(
+                failed ? ExitCode.FAILURE : ExitCode.OK, spec.commandLine().getErr());
         return code;
     }
 
@@ -45,7 +49,6 @@ final class Interrupt implements AutoCloseable {
 
     @Override
     public void close() {
-        System.out.flush();
         System.err.flush();
         reported.countDown();
         try {

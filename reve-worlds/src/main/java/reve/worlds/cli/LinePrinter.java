@@ -1,7 +1,7 @@
 package reve.worlds.cli;
 
+import java.io.OutputStream;
 import java.io.OutputStreamWriter;
-import java.io.PrintStream;
 import java.io.PrintWriter;
 import java.io.Writer;
 import java.nio.charset.StandardCharsets;
@@ -16,13 +16,49 @@ import reve.core.text.Visible;
  */
 public final class LinePrinter extends PrintWriter {
 
+    private final WatchedOutput watched;
+    private boolean lossTold;
+
     /** Prints UTF-8, and flushes after each line. */
-    public LinePrinter(PrintStream stream) {
-        this(new OutputStreamWriter(stream, StandardCharsets.UTF_8));
+    public LinePrinter(OutputStream stream) {
+        this(new WatchedOutput(stream));
+    }
+
+    private LinePrinter(WatchedOutput watched) {
+        super(new OutputStreamWriter(watched, StandardCharsets.UTF_8), true);
+        this.watched = watched;
     }
 
     LinePrinter(Writer out) {
         super(out, true);
+        watched = new WatchedOutput(OutputStream.nullOutputStream());
+    }
+
+    /** Where it prints, unless it prints to a writer. */
+    WatchedOutput watched() {
+        return watched;
+    }
+
+    /**
+     * The exit code of a command that has printed its results. A full standard output is reported
+     * once; a closed pipe is not, because whoever reads wants no more.
+     *
+     * @param code of the command apart from that
+     */
+    public synchronized int codeAfter(int code, PrintWriter err) {
+        flush();
+        if (watched.reason().isEmpty()) {
+            return code;
+        }
+        if (!watched.isClosedPipe() && !lossTold) {
+            lossTold = true;
+            message(err, "reve: standard output could not be written: "
+                    + watched.reason().orElseThrow() + "; results are lost");
+        }
+        if (code != ExitCode.OK) {
+            return code;
+        }
+        return watched.isClosedPipe() ? ExitCode.CLOSED_PIPE : ExitCode.FAILURE;
     }
 
     /**

@@ -72,7 +72,7 @@ public final class RunCommand implements Callable<Integer> {
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
         try (Simulation simulation = new Simulation(description, pacing, lawPath);
-                Interrupt interrupt = new Interrupt(simulation.loop()::stop)) {
+                Interrupt interrupt = new Interrupt(spec, simulation.loop()::stop)) {
             simulation.physics().setLedger(ledger);
             RunReport report = recorded(simulation, frames, pacing, recording);
             if (save.isPresent()) {

@@ -145,11 +145,12 @@ public final class ServeCommand implements Callable<Integer> {
         requireStoreEvery();
         requireOwnFiles();
         List<WorldPlan> plans = plans();
-        try (EventPrinter events = new EventPrinter(spec.commandLine().getOut(), json,
+        try (EventPrinter events = new EventPrinter(
+                (LinePrinter) spec.commandLine().getOut(), spec.commandLine().getErr(), json,
                 printed.printed())) {
             WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
                     agents, laws.folder(), watchdog(events), events);
-            try (Interrupt interrupt = new Interrupt(server::stop)) {
+            try (Interrupt interrupt = new Interrupt(spec, server::stop)) {
                 ServerReport report;
                 try (server) {
                     server.start();

@@ -2,10 +2,16 @@ package reve.worlds.cli;
 
 import static org.assertj.core.api.Assertions.assertThat;
 
+import java.io.ByteArrayOutputStream;
+import java.io.IOException;
+import java.io.OutputStream;
 import java.io.PrintWriter;
 import java.io.StringWriter;
+import java.io.Writer;
+import java.nio.charset.StandardCharsets;
 import java.util.List;
 import java.util.Map;
+import java.util.concurrent.atomic.AtomicBoolean;
 import org.junit.jupiter.api.Test;
 
 class EventPrinterTest {
@@ -15,7 +21,8 @@ class EventPrinterTest {
     /** The names of the events that are printed. */
     private static List<String> printed(Printed printed) {
         var out = new StringWriter();
-        try (var printer = new EventPrinter(new PrintWriter(out), false, printed)) {
+        try (var printer = new EventPrinter(new LinePrinter(out),
+                new PrintWriter(Writer.nullWriter()), false, printed)) {
             EVENTS.forEach(event -> printer.happened(event, Map.of("frame", 1L)));
             EVENTS.forEach(event -> assertThat(printer.wants(event)).as(event)
                     .isEqualTo(printed.includes(event)));
@@ -29,6 +36,45 @@ class EventPrinterTest {
                 .containsExactly("ready", "joined", "late", "away", "back", "law-loaded", "fault",
                         "left");
         assertThat(printed(Printed.ACTIONS)).isEqualTo(EVENTS);
+    }
+
+    @Test
+    void eventsThatTheOutputDoesNotTakeAreCountedAndReportedOnce() {
+        var file = new ByteArrayOutputStream();
+        var full = new AtomicBoolean();
+        var disk = new OutputStream() {
+            @Override
+            public void write(int one) throws IOException {
+                if (full.get()) {
+                    throw new IOException("No space left on device");
+                }
+                file.write(one);
+            }
+        };
+        var messages = new StringWriter();
+        var out = new LinePrinter(disk);
+        var err = new PrintWriter(messages);
+        tell(out, err, "ready");
+        full.set(true);
+        tell(out, err, "joined", "left");
+        full.set(false);
+        tell(out, err, "fault");
+
+        assertThat(file.toString(StandardCharsets.UTF_8).lines())
+                .containsExactly("ready frame=1", "", "fault frame=1");
+        assertThat(messages.toString().lines()).containsExactly("reve: standard output cannot be "
+                + "written: No space left on device; the worlds go on, and events are lost until "
+                + "it can");
+        assertThat(out.codeAfter(ExitCode.OK, err)).isEqualTo(ExitCode.FAILURE);
+        assertThat(messages.toString()).contains("results are lost");
+    }
+
+    private static void tell(LinePrinter out, PrintWriter err, String... events) {
+        try (var printer = new EventPrinter(out, err, false, Printed.ACTIONS)) {
+            for (String event : events) {
+                printer.happened(event, Map.of("frame", 1L));
+            }
+        }
     }
 
     @Test

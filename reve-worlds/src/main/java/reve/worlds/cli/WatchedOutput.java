@@ -1,0 +1,72 @@
+package reve.worlds.cli;
+
+import java.io.IOException;
+import java.io.OutputStream;
+import java.util.Optional;
+import java.util.concurrent.atomic.AtomicLong;
+import org.jspecify.annotations.Nullable;
+
+/**
+ * Standard output that may be full or closed: it throws nothing, drops what cannot be written, and
+ * remembers why. After a gap it goes on with a line of its own. One thread writes, any may ask.
+ */
+final class WatchedOutput extends OutputStream {
+    private static final String CLOSED_PIPE = "Broken pipe";
+
+    private final OutputStream out;
+    private final AtomicLong failures = new AtomicLong();
+    private volatile @Nullable String reason;
+    private boolean torn;
+
+    WatchedOutput(OutputStream out) {
+        this.out = out;
+    }
+
+    @Override
+    public void write(int one) {
+        write(new byte[] {(byte) one}, 0, 1);
+    }
+
+    @Override
+    public void write(byte[] bytes, int from, int length) {
+        try {
+            if (torn) {
+                out.write('\n');
+                torn = false;
+            }
+            out.write(bytes, from, length);
+        } catch (IOException e) {
+            torn = true;
+            failed(e);
+        }
+    }
+
+    @Override
+    public void flush() {
+        try {
+            out.flush();
+        } catch (IOException e) {
+            failed(e);
+        }
+    }
+
+    private void failed(IOException e) {
+        reason = String.valueOf(e.getMessage());
+        failures.incrementAndGet();
+    }
+
+    /** How many times something was dropped. */
+    long failures() {
+        return failures.get();
+    }
+
+    /** Why something was dropped the last time, if something was. */
+    Optional<String> reason() {
+        return Optional.ofNullable(reason);
+    }
+
+    /** Whether its reader has gone, as {@code head} does when it has its lines. */
+    boolean isClosedPipe() {
+        return CLOSED_PIPE.equals(reason);
+    }
+}
