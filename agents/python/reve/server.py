@@ -24,13 +24,14 @@ def serve(
     """Runs `./reve serve WORLD` on a free port; yields host and port, and ends the server
     afterwards.
 
-    It makes frames as fast as its agents in lock-step go on, and waits an hour for them. `options`
-    are more of those of `./reve serve`, `launcher` is the project's launcher. Raises ReveError if
-    it cannot be run, or with what the server said if that does not start.
+    It makes frames as fast as its agents in lock-step go on, waits an hour for them, and lets them
+    keep others waiting for any time. `options` are more of those of `./reve serve`, `launcher` is
+    the project's launcher. Raises ReveError if it cannot be run, or with what the server said if
+    that does not start.
     """
     command = [
         os.fspath(launcher), "serve", os.fspath(world), "--port", "0", "--json", "--fast",
-        "--deadline", "3600", *options,
+        "--deadline", "3600", "--waiting", "off", *options,
     ]
     with tempfile.TemporaryFile("w+") as errors:
         process = _start(command, errors)

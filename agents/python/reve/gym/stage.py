@@ -144,7 +144,7 @@ class Stage:
                 "late",
                 f"the world went on to frame {perception.frame} without agent {name}, "
                 f"which was in frame {self._frame}",
-                "serve it with a longer --deadline, or think faster",
+                "serve it with a longer --deadline and --waiting off, or think faster",
             )
         for result in perception.results:
             if not result:

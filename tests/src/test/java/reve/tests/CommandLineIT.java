@@ -42,6 +42,9 @@ class CommandLineIT {
         Outcome port = Reve.run("serve", SPRING_ORBIT, "--port", "70000");
         assertThat(port.code()).isEqualTo(2);
         assertThat(port.err()).contains("--port is 70000").contains("65535");
+        Outcome waiting = Reve.run("serve", SPRING_ORBIT, "--waiting", "never");
+        assertThat(waiting.code()).isEqualTo(2);
+        assertThat(waiting.err()).contains("--waiting is 'never', expected off or 0.001 to 86400");
         Outcome size = Reve.run("snapshot", SPRING_ORBIT, "--out",
                 folder.resolve("x.png").toString(), "--size", "huge");
         assertThat(size.code()).isEqualTo(2);

@@ -54,8 +54,21 @@ public record AgentServerConfig(InetSocketAddress address, AgentLimits limits,
 
     /** The same, with another longest time that an agent in lock-step may have the world wait. */
     public AgentServerConfig withDeadline(Duration longest) {
+        return with(longest, timeouts.waiting());
+    }
+
+    /**
+     * The same, with another time that agents in lock-step may keep others waiting; without, there
+     * is no limit.
+     */
+    public AgentServerConfig withWaiting(Optional<Duration> allowance) {
+        return with(timeouts.deadline(), allowance);
+    }
+
+    private AgentServerConfig with(Duration deadline, Optional<Duration> waiting) {
         var other = new AgentTimeouts(timeouts.hello(), timeouts.line(), timeouts.idle(),
-                timeouts.flood(), timeouts.write(), timeouts.grace(), longest, timeouts.linger());
+                timeouts.flood(), timeouts.write(), timeouts.grace(), deadline, waiting,
+                timeouts.linger());
         return new AgentServerConfig(address, limits, other, audit, security);
     }
 }

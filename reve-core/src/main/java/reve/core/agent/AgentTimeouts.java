@@ -1,6 +1,7 @@
 package reve.core.agent;
 
 import java.time.Duration;
+import java.util.Optional;
 
 /**
  * How long a server waits for its clients. {@link #PROTOCOL} are the times that PROTOCOL.md
@@ -13,15 +14,18 @@ import java.time.Duration;
  * @param write longest time that one write may take
  * @param grace longest time that the body of an agent whose connection broke may wait for it
  * @param deadline longest time that an agent in lock-step may have the world wait
+ * @param waiting how long agents in lock-step may keep others waiting, beside a tenth of the time
+ *     (see {@link Allowance}); without, there is no limit
  * @param linger how long a finished connection may take to go
  */
 public record AgentTimeouts(Duration hello, Duration line, Duration idle, Duration flood,
-        Duration write, Duration grace, Duration deadline, Duration linger) {
+        Duration write, Duration grace, Duration deadline,
+        Optional<Duration> waiting, Duration linger) {
 
     public static final AgentTimeouts PROTOCOL = new AgentTimeouts(
             Duration.ofSeconds(2), Duration.ofSeconds(10), Duration.ofSeconds(15),
             Duration.ofSeconds(10), Duration.ofSeconds(5), Duration.ofSeconds(60),
-            Duration.ofSeconds(1), Duration.ofSeconds(1));
+            Duration.ofSeconds(1), Optional.of(Duration.ofSeconds(10)), Duration.ofSeconds(1));
 
     /** @throws IllegalArgumentException if one is shorter than a millisecond */
     public AgentTimeouts {
@@ -32,6 +36,7 @@ public record AgentTimeouts(Duration hello, Duration line, Duration idle, Durati
         requirePositive("write", write);
         requirePositive("grace", grace);
         requirePositive("deadline", deadline);
+        waiting.ifPresent(time -> requirePositive("waiting", time));
         requirePositive("linger", linger);
     }
 

@@ -10,7 +10,8 @@ import reve.core.frame.FrameGate;
 /**
  * Holds the world until all agents in lock-step are ready whose round it is, or their deadlines
  * have passed. All are waited for at once, from the moment when the world could go on; nobody is
- * late before the world goes on without it.
+ * late before the world goes on without it. Agents that keep others waiting have
+ * {@link Allowances} for it.
  */
 final class LockStep implements FrameGate {
 
@@ -20,6 +21,7 @@ final class LockStep implements FrameGate {
     private final Runnable wake;
     private final Waiting waiting;
     private final Consumer<AgentInput> news;
+    private final Allowances allowances;
 
     /** Never changed, only replaced, with this held. */
     private volatile Turn[] turns = NOBODY;
@@ -59,9 +61,10 @@ final class LockStep implements FrameGate {
      * @param news takes the agents that missed a deadline, and those that came back after the world
      *     had stopped waiting for them; on the loop's thread
      */
-    LockStep(Runnable wake, Consumer<AgentInput> news, Waiting waiting) {
+    LockStep(Runnable wake, Consumer<AgentInput> news, Allowances allowances, Waiting waiting) {
         this.wake = wake;
         this.news = news;
+        this.allowances = allowances;
         this.waiting = waiting;
     }
 
@@ -91,10 +94,15 @@ final class LockStep implements FrameGate {
         turns = grown;
     }
 
+    /** How long its agents may keep others waiting. */
+    Allowances allowances() {
+        return allowances;
+    }
+
     /** An agent leaves. Does nothing if it is not there. */
-    void remove(Turn turn) {
+    void remove(Turn turn, long nowNanos) {
         synchronized (this) {
-            turn.leave();
+            turn.leave(nowNanos);
             turns = Arrays.stream(turns).filter(other -> other != turn).toArray(Turn[]::new);
         }
         changed();
@@ -116,7 +124,7 @@ final class LockStep implements FrameGate {
         int first = missing;
         for (int i = 0; i < all.length; i++) {
             int place = (first + i) % all.length;
-            if (all[place].isAwaited(frame - 1)) {
+            if (all[place].holds(frame)) {
                 missing = place;
                 return true;
             }
@@ -136,30 +144,61 @@ final class LockStep implements FrameGate {
         if (due != frame) {
             due = frame;
             dueSinceNanos = nowNanoseconds;
+            allowances.due(nowNanoseconds);
         }
         held = frame; // before we look: who is ready from now on wakes us
         boolean somebodyComes = coming.get() > 0;
-        long wait = 0;
-        for (Turn turn : turns) {
+        Turn[] all = turns;
+        for (Turn turn : all) {
             if (turn.takeBack(frame)) {
                 news.accept(turn.back());
             }
             if (somebodyComes) {
                 turn.putOff(frame);
             }
-            if (turn.isAwaited(frame - 1)) {
-                wait = Math.max(wait, dueSinceNanos + turn.deadlineNanos() - nowNanoseconds);
+        }
+        giveUpLate(all, frame, nowNanoseconds);
+        long wait = 0;
+        for (Turn turn : all) {
+            if (turn.holds(frame)) {
+                long left = nanosecondsLeft(turn, nowNanoseconds);
+                wait = wait == 0 ? left : Math.min(wait, left);
             }
         }
-        if (wait <= 0) {
+        if (wait == 0) {
             held = NO_FRAME;
-            goOnWithout(frame);
+            goOnWithout(all, frame, nowNanoseconds);
         }
         return wait;
     }
 
-    private void goOnWithout(long frame) {
-        for (Turn turn : turns) {
+    /** Before we ask who still holds the frame: an agent that is ready meanwhile wakes us then. */
+    private void giveUpLate(Turn[] all, long frame, long nowNanos) {
+        allowances.look(all);
+        for (Turn turn : all) {
+            boolean holds = turn.holds(frame);
+            if (holds || turn.allowance().isSpent()) {
+                allowances.note(turn, nowNanos);
+            }
+            if (holds && nanosecondsLeft(turn, nowNanos) <= 0) {
+                turn.giveUp(frame);
+            }
+        }
+    }
+
+    private long nanosecondsLeft(Turn turn, long nowNanos) {
+        return Math.min(dueSinceNanos + turn.deadlineNanos() - nowNanos,
+                allowances.nanosecondsLeft(turn, nowNanos));
+    }
+
+    private void goOnWithout(Turn[] all, long frame, long nowNanos) {
+        for (Turn turn : all) {
+            if (turn.isAwaited(frame - 1)) {
+                turn.allowance().answer(nowNanos);
+            }
+        }
+        allowances.begin(all, nowNanos);
+        for (Turn turn : all) {
             if (turn.miss(frame - 1)) {
                 news.accept(turn.late());
             }
@@ -176,11 +215,16 @@ final class LockStep implements FrameGate {
     public void paused() {
         due = NO_FRAME;
         held = NO_FRAME;
+        allowances.forget();
+        for (Turn turn : turns) {
+            turn.giveUpNone();
+        }
     }
 
     @Override
     public void continuesAfter(long frame) {
         due = NO_FRAME;
+        allowances.forget();
         for (Turn turn : turns) {
             turn.restart(frame);
         }

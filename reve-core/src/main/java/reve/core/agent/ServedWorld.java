@@ -3,6 +3,7 @@ package reve.core.agent;
 import java.time.Duration;
 import java.util.ArrayDeque;
 import java.util.Deque;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
@@ -15,6 +16,9 @@ import reve.core.frame.Subscription;
 
 /** One of the worlds of a server: who is in it, and how they are told and obeyed. */
 final class ServedWorld implements AutoCloseable {
+
+    /** Agents named in one line of the log. */
+    private static final int MOST_NAMED = 8;
 
     private final AgentServer server;
     private final WorldPort port;
@@ -32,7 +36,9 @@ final class ServedWorld implements AutoCloseable {
         this.port = port;
         this.publisher = new Publisher(port, server.log(), this::queueLeaving, server::wake);
         this.desk = new ControlDesk(port, publisher, server.log());
-        this.lockStep = new LockStep(port.loop()::wake, desk::lockStep, waiting);
+        var allowances = new Allowances(1_000_000_000L / port.framesPerSecond(),
+                server.config().timeouts().waiting(), this::tellWaiting);
+        this.lockStep = new LockStep(port.loop()::wake, desk::lockStep, allowances, waiting);
         port.loop().setGate(lockStep);
         this.subscription = port.bus()
                 .subscribe(FramePhase.PUBLISH, "agent server", publisher::onFrame);
@@ -97,6 +103,26 @@ final class ServedWorld implements AutoCloseable {
     /** How many there are, with those whose connection broke and may come back. */
     int clients() {
         return sessions.size();
+    }
+
+    /** An allowance is spent, or counts again. Loop's thread; once in a while. */
+    private void tellWaiting(Allowance allowance) {
+        boolean spent = allowance.isSpent();
+        publisher.later(() -> {
+            List<String> names = sessions.values().stream()
+                    .filter(session -> session.has(allowance)).map(Session::name).sorted().toList();
+            sessions.values().forEach(session -> session.tellWaiting(allowance));
+            String agents = String.join(", ", names.subList(0, Math.min(names.size(), MOST_NAMED)))
+                    + (names.size() > MOST_NAMED ? " and others" : "");
+            if (spent) {
+                server.log().warn("world " + Text.quote(name()) + " no longer waits for agents in"
+                        + " lock-step longer than a frame: others waited too long for " + agents
+                        + "; serve --waiting allows more");
+            } else {
+                server.log().info("world " + Text.quote(name()) + " waits for " + agents
+                        + " again, until their deadlines");
+            }
+        });
     }
 
     // ---- coming and going ----

@@ -4,6 +4,7 @@ import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.util.ArrayList;
 import java.util.BitSet;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
@@ -46,6 +47,8 @@ final class Session {
     private Optional<String> body = Optional.empty();
     private int inFlight;
     private boolean welcomed;
+    /** It has a body, and others that are in lock-step keep it waiting. */
+    private boolean inRealTime;
     private long lastResultFrame;
     private long brokenNanos;
 
@@ -76,7 +79,9 @@ final class Session {
         this.connection = connection;
         this.encoding = connection.encoding();
         this.turn = hello.lockStep().map(wanted -> new Turn(name, wanted, Math.min(
-                (long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos())))
+                (long) (wanted.deadlineSeconds() * 1e9), timeouts.deadline().toNanos()),
+                world.lockStep().allowances().of(token, Attempts.network(connection.address()),
+                        System.nanoTime())))
                 .orElse(null);
         this.quota = new Quota(limits.messagesPerSecond(), world.framesPerSecond(),
                 System.nanoTime(), pace());
@@ -130,12 +135,21 @@ final class Session {
 
     /** The agent is in the world, or cannot be: the client is told with the frame. */
     void came(Outcome outcome) {
-        if (turn != null && outcome instanceof Outcome.Joined joined) {
-            turn.begin(joined.frame());
-            world.lockStep().add(turn);
+        if (outcome instanceof Outcome.Joined joined) {
+            takePart(joined.frame());
         }
         world.lockStep().came();
         world.publisher().withFrame(() -> joined(outcome));
+    }
+
+    private synchronized void takePart(long frame) {
+        if (turn != null) {
+            turn.begin(frame);
+            world.lockStep().add(turn);
+        } else if (!left) {
+            inRealTime = true;
+            world.lockStep().allowances().addRealTime(1);
+        }
     }
 
     // ---- the event loop's thread ----
@@ -179,9 +193,39 @@ final class Session {
         }
         perceptions.notBefore(frame);
         offer(world.welcome(this, hello, frame, false));
+        hurry(frame).ifPresent(this::offer);
         world.publisher().admit(this);
         server.log().info(this + " joined"
                 + body.map(item -> " with body " + Text.quote(item)).orElse(""));
+    }
+
+    /** Tells how long the world waits for the agent, if that is because of this allowance. */
+    void tellWaiting(Allowance allowance) {
+        Turn its = turn;
+        if (its == null || !has(allowance)) {
+            return;
+        }
+        synchronized (this) {
+            if (!welcomed || left) {
+                return; // the welcome tells it
+            }
+        }
+        send(waiting(its, world.publisher().published()));
+    }
+
+    /** Whether its agent is in lock-step and uses up that allowance. */
+    boolean has(Allowance allowance) {
+        return turn != null && turn.allowance() == allowance;
+    }
+
+    private Optional<ServerMessage.Event> hurry(long frame) {
+        return Optional.ofNullable(turn).filter(its -> its.allowance().isSpent())
+                .map(its -> waiting(its, frame));
+    }
+
+    private ServerMessage.Event waiting(Turn its, long frame) {
+        return new ServerMessage.Event(frame, "waiting", Map.of(
+                "longest", world.lockStep().allowances().longestWaitNanos(its) / 1e9));
     }
 
     /** True if it perceives only what the sensors of its body sense. */
@@ -293,9 +337,10 @@ final class Session {
     void endRound(ClientMessage.Ready ready) {
         if (turn != null) {
             if (ready.frame().isPresent()) {
-                turn.ready(ready.frame().getAsLong(), world.publisher().published());
+                turn.ready(ready.frame().getAsLong(), world.publisher().published(),
+                        System.nanoTime());
             } else {
-                turn.ready();
+                turn.ready(System.nanoTime());
             }
             world.lockStep().changed();
         }
@@ -421,6 +466,7 @@ final class Session {
             var lines = new ArrayList<byte[]>();
             lines.add(world.welcome(this, hello, world.publisher().published(), true).in(encoding));
             events.after(frameSeen).forEach(event -> lines.add(event.in(encoding)));
+            hurry(world.publisher().published()).ifPresent(event -> lines.add(event.in(encoding)));
             next.outbox().begin(lines);
         }
         world.lockStep().changed();
@@ -440,7 +486,7 @@ final class Session {
             if (welcomed && graceSeconds > 0 && RESUMABLE.contains(why.code())) {
                 brokenNanos = System.nanoTime();
                 if (turn != null) {
-                    turn.breakOff();
+                    turn.breakOff(brokenNanos);
                     world.lockStep().changed();
                 }
                 return;
@@ -479,9 +525,12 @@ final class Session {
             if (welcomed && role == Role.AGENT) {
                 counters.agents.decrement();
             }
+            if (inRealTime) {
+                world.lockStep().allowances().addRealTime(-1);
+            }
         }
         if (turn != null) {
-            world.lockStep().remove(turn);
+            world.lockStep().remove(turn, System.nanoTime());
         }
         world.publisher().dismiss(this); // before others may have its name
         world.leave(this, reason);

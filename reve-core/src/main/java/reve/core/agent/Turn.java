@@ -29,6 +29,7 @@ final class Turn {
     private final String agent;
     private final ClientMessage.LockStep wanted;
     private final long deadlineNanos;
+    private final Allowance allowance;
     /** Rounds that the agent has done with, or was too late for. */
     private final AtomicLong done = new AtomicLong();
 
@@ -39,6 +40,8 @@ final class Turn {
     private volatile boolean playing;
     /** The frame of the first round. Set on the loop's thread. */
     private volatile long origin = Long.MAX_VALUE;
+    /** The frame that is not held for the agent any more. Set on the loop's thread. */
+    private volatile long givenUp = -1;
 
     // Loop's thread.
     private long missed;
@@ -50,11 +53,15 @@ final class Turn {
     /** The others were told that it is away. */
     private boolean away;
 
-    /** @param deadlineNanos longest wait for it [ns] */
-    Turn(String agent, ClientMessage.LockStep wanted, long deadlineNanos) {
+    /**
+     * @param deadlineNanos longest wait for it [ns]
+     * @param allowance what it uses up by keeping others waiting
+     */
+    Turn(String agent, ClientMessage.LockStep wanted, long deadlineNanos, Allowance allowance) {
         this.agent = agent;
         this.wanted = wanted;
         this.deadlineNanos = deadlineNanos;
+        this.allowance = allowance;
     }
 
     ClientMessage.LockStep wanted() {
@@ -65,11 +72,16 @@ final class Turn {
         return deadlineNanos;
     }
 
+    Allowance allowance() {
+        return allowance;
+    }
+
     // ---- its connection ----
 
     /** The agent is done with the oldest round that is open. */
-    void ready() {
+    void ready(long nowNanos) {
         playing = true;
+        allowance.answer(nowNanos); // before it counts: the loop reads the two in turn
         done.incrementAndGet();
         speak();
     }
@@ -78,9 +90,10 @@ final class Turn {
      * The agent is done with what it perceived in a frame, unless that was not the last
      * round that began.
      */
-    void ready(long frame, long published) {
+    void ready(long frame, long published, long nowNanos) {
         playing = true;
-        if (frame <= published) {
+        if (frame <= published && done.get() < rounds(frame)) {
+            allowance.answer(nowNanos);
             done.accumulateAndGet(rounds(frame), Math::max);
         }
         speak();
@@ -91,7 +104,8 @@ final class Turn {
         presence.compareAndSet(Presence.AWAY, Presence.RETURNING);
     }
 
-    void breakOff() {
+    void breakOff(long nowNanos) {
+        allowance.answer(nowNanos);
         presence.set(Presence.BROKEN);
     }
 
@@ -99,7 +113,8 @@ final class Turn {
         presence.set(Presence.RETURNING);
     }
 
-    void leave() {
+    void leave(long nowNanos) {
+        allowance.answer(nowNanos);
         presence.set(Presence.GONE);
     }
 
@@ -112,6 +127,16 @@ final class Turn {
     /** Whether the world has to wait for the agent before it makes the frame after that one. */
     boolean isAwaited(long frame) {
         return presence.get() == Presence.HERE && done.get() < rounds(frame);
+    }
+
+    /** Whether it is waited for before that frame, and not given up. */
+    boolean holds(long frame) {
+        return isAwaited(frame - 1) && givenUp != frame;
+    }
+
+    /** Whether it takes part, ready or not. */
+    boolean isHere() {
+        return presence.get() == Presence.HERE;
     }
 
     /** Whether the agent perceives a frame, having been told last of another one. */
@@ -133,11 +158,22 @@ final class Turn {
         origin = frame;
     }
 
+    /** That frame is not held for it any more, although others may hold it. */
+    void giveUp(long frame) {
+        givenUp = frame;
+    }
+
+    /** It may hold every frame, as before. */
+    void giveUpNone() {
+        givenUp = -1;
+    }
+
     /** Rounds begin anew in that frame. */
     void restart(long frame) {
         origin = frame;
         done.set(0);
         judged = 0;
+        giveUpNone();
     }
 
     /**

@@ -106,7 +106,8 @@ final class AgentRoom implements AutoCloseable {
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
         var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8);
         var timeouts = new AgentTimeouts(hello, line, idle, Duration.ofSeconds(10), write,
-                Duration.ofMinutes(5), Duration.ofSeconds(10), Duration.ofMillis(500));
+                Duration.ofMinutes(5), Duration.ofSeconds(10), CONFIG.timeouts().waiting(),
+                Duration.ofMillis(500));
         return new AgentServerConfig(CONFIG.address(), limits, timeouts, Optional.empty(),
                 AgentSecurity.NONE);
     }

@@ -3,7 +3,9 @@ package reve.core.agent;
 import static org.assertj.core.api.Assertions.assertThat;
 
 import java.io.IOException;
+import java.time.Duration;
 import java.util.List;
+import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.CopyOnWriteArrayList;
 import java.util.concurrent.locks.LockSupport;
@@ -110,6 +112,60 @@ class LockStepServerTest {
             assertThat(told.get("frame").longValue()).isEqualTo(frame);
             ada.say("{'t':'ready','frame':%d}".formatted(frame));
             assertThat(ada.skipTo("perception").get("frame").longValue()).isEqualTo(frame + 1);
+        }
+    }
+
+    // ---- who keeps others waiting ----
+
+    /** A room whose agents may keep others waiting for 50 ms. */
+    private void openImpatient() throws IOException {
+        room.close();
+        room = new AgentRoom(AgentRoom.CONFIG.withWaiting(Optional.of(Duration.ofMillis(50))));
+    }
+
+    private static JsonNode nextWaiting(TestClient client) throws IOException {
+        JsonNode event = client.skipTo("event");
+        while (!event.get("type").stringValue().equals("waiting")) {
+            event = client.skipTo("event");
+        }
+        return event;
+    }
+
+    @Test
+    void whoKeepsAnAgentInRealTimeWaitingIsToldThatTheWorldWaitsAFrameOnly() throws IOException {
+        openImpatient();
+        try (TestClient bob = room.join("bob"); TestClient ada = join("ada", ",'deadline':10")) {
+            bob.say("{'t':'perceive','every':100}").sync();
+            run();
+            JsonNode told = nextWaiting(ada);
+            assertThat(told.get("frame").isIntegralNumber()).isTrue();
+            assertThat(told.get("fields")).isEqualTo(
+                    TestClient.json("{'longest':%s}".formatted(1_000_000_000L / 60 / 1e9)));
+            for (long frame = 0; frame < 1000;) {
+                frame = bob.skipTo("perception").get("frame").longValue(); // in hours, else
+            }
+            ada.say("{'t':'bye'}").skipToBye("goodbye");
+            try (TestClient again = room.connect().say(HELLO.formatted("eve", ""))) {
+                again.expect("welcome");
+                assertThat(again.expect("event").get("type").stringValue())
+                        .as("another name has the same allowance").isEqualTo("waiting");
+            }
+        }
+    }
+
+    @Test
+    void whoHasLeftAndWhoOnlyObservesAreNotKeptWaiting() throws IOException {
+        openImpatient();
+        try (TestClient bob = room.join("bob"); TestClient ada = join("ada", ",'deadline':0.2");
+                TestClient eye = room.connect()) {
+            eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
+            bob.say("{'t':'bye'}").skipToBye("goodbye");
+            room.step();
+            assertThat(ada.skipTo("event").get("type").stringValue()).isEqualTo("left");
+            run();
+            for (String type : List.of("late", "late", "late", "away")) {
+                assertThat(ada.skipTo("event").get("type").stringValue()).isEqualTo(type);
+            }
         }
     }
 

@@ -38,9 +38,19 @@ class LockStepTest {
     private final FrameLoop loop = new FrameLoop(
             new World("test", WorldPrototype.standard("si-f64"), new OffHeapArena()), bus,
             Timing.DEFAULT, Pacing.FAST, clock);
-    private final LockStep lockStep = new LockStep(clock::wake, this::heard, LockStep.Waiting.IDLE);
+    private final LockStep lockStep = new LockStep(clock::wake, this::heard, allowances(),
+            LockStep.Waiting.IDLE);
     private long dueSince;
     private long longestDeadline;
+
+    /** Of agents that keep nobody waiting. */
+    private static Allowances allowances() {
+        return new Allowances(MILLISECOND, Optional.empty(), allowance -> { });
+    }
+
+    private static Allowance allowance() {
+        return new Allowance(Optional.empty(), 0);
+    }
 
     /** What is known of one agent without looking at the server. */
     private static final class Player {
@@ -61,7 +71,7 @@ class LockStepTest {
         Player(String name, int every, long deadlineNanos, long origin) {
             this.turn = new Turn(name, new ClientMessage.LockStep(every, false, deadlineNanos / 1e9,
                     Optional.of(new AgentInput.Fallback(Optional.empty(), "brake", Map.of()))),
-                    deadlineNanos);
+                    deadlineNanos, allowance());
             this.every = every;
             this.deadlineNanos = deadlineNanos;
             this.origin = origin;
@@ -192,13 +202,13 @@ class LockStepTest {
         switch (random.nextInt(player.here ? 10 : 30)) {
             case 0 -> {
                 players.remove(player);
-                lockStep.remove(player.turn);
+                lockStep.remove(player.turn, clock.now);
             }
             case 1 -> {
                 player.here = false;
                 player.returning = false;
                 player.broken = true;
-                player.turn.breakOff();
+                player.turn.breakOff(0);
                 lockStep.changed();
             }
             case 2 -> {
@@ -221,11 +231,11 @@ class LockStepTest {
         player.returning |= isAway;
         long frame = random.nextInt(4) == 0 ? random.nextLong(2 * loop.frame() + 1) : loop.frame();
         if (saysFrame) {
-            player.turn.ready(frame, loop.frame());
+            player.turn.ready(frame, loop.frame(), clock.now);
             player.done = frame > loop.frame() ? player.done
                     : Math.max(player.done, player.roundsBegun(frame));
         } else {
-            player.turn.ready();
+            player.turn.ready(clock.now);
             player.done++;
         }
         lockStep.changed();
@@ -275,9 +285,10 @@ class LockStepTest {
     @Test
     void whoIsLateThreeRoundsInARowIsNoLongerWaitedForUntilItIsReady() {
         var news = new ArrayList<AgentInput>();
-        var gate = new LockStep(() -> { }, news::add, LockStep.Waiting.IDLE);
+        var gate = new LockStep(() -> { }, news::add, allowances(),
+                LockStep.Waiting.IDLE);
         var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()),
-                MILLISECOND);
+                MILLISECOND, allowance());
         turn.begin(0);
         gate.add(turn);
         for (long frame = 1; frame <= 5; frame += 2) {
@@ -293,7 +304,7 @@ class LockStepTest {
         news.clear();
         assertThat(gate.nanosecondsToWait(7, 0)).as("the world goes on").isZero();
         assertThat(turn.isDue(7, 5)).as("it still perceives its rounds").isTrue();
-        turn.ready(3, 7);
+        turn.ready(3, 7, 0);
         assertThat(gate.nanosecondsToWait(8, 0)).isZero();
         assertThat(turn.isDue(8, 7)).as("its rounds restart with the next frame").isTrue();
         assertThat(gate.nanosecondsToWait(9, 0)).as("it is waited for").isEqualTo(MILLISECOND);
@@ -305,14 +316,15 @@ class LockStepTest {
     @Test
     void aRoundInTimeBetweenLateOnesStartsTheCountAgain() {
         var news = new ArrayList<AgentInput>();
-        var gate = new LockStep(() -> { }, news::add, LockStep.Waiting.IDLE);
+        var gate = new LockStep(() -> { }, news::add, allowances(),
+                LockStep.Waiting.IDLE);
         var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND);
+                MILLISECOND, allowance());
         turn.begin(0);
         gate.add(turn);
         for (long frame = 1; frame <= 12; frame++) {
             if (frame % 3 == 0) {
-                turn.ready(frame - 1, frame - 1);
+                turn.ready(frame - 1, frame - 1, 0);
             }
             gate.nanosecondsToWait(frame, 0);
             gate.nanosecondsToWait(frame, MILLISECOND);
@@ -325,12 +337,12 @@ class LockStepTest {
     @Test
     void aReadyThatComesAsTheWorldGivesUpIsNotLost() {
         var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND);
+                MILLISECOND, allowance());
         turn.begin(0);
         for (long frame = 1; frame <= 3; frame++) {
             assertThat(turn.miss(frame - 1)).isTrue();
             if (frame == 3) {
-                turn.ready(frame - 1, frame - 1);
+                turn.ready(frame - 1, frame - 1, 0);
             }
             assertThat(turn.late().away()).isEqualTo(frame == 3);
         }
@@ -341,28 +353,28 @@ class LockStepTest {
     @Test
     void aReadyForARoundThatIsOverDoesNothing() {
         var turn = new Turn("ada", new ClientMessage.LockStep(2, false, 1, Optional.empty()),
-                MILLISECOND);
+                MILLISECOND, allowance());
         turn.begin(10);
         assertThat(turn.isAwaited(9)).isFalse();
         assertThat(turn.isAwaited(10)).isTrue();
-        turn.ready(10, 10);
+        turn.ready(10, 10, 0);
         assertThat(turn.isAwaited(11)).isFalse();
         assertThat(turn.isAwaited(12)).isTrue();
-        turn.ready(11, 12);
-        turn.ready(14, 12);
+        turn.ready(11, 12, 0);
+        turn.ready(14, 12, 0);
         assertThat(turn.isAwaited(12))
                 .as("by a ready of the last round, or of one to come").isTrue();
-        turn.ready();
-        turn.ready();
+        turn.ready(0);
+        turn.ready(0);
         assertThat(turn.isAwaited(14)).as("said before its time").isFalse();
     }
 
     @Test
     void whoHasLeftBeforeItCameIsNotWaitedFor() {
         var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND);
+                MILLISECOND, allowance());
         turn.begin(1);
-        lockStep.remove(turn);
+        lockStep.remove(turn, 0);
         lockStep.add(turn);
         assertThat(lockStep.nanosecondsToWait(2, 0)).isZero();
     }
@@ -370,7 +382,7 @@ class LockStepTest {
     @Test
     void whoHasNotBeenReadyYetDoesNotKeepOthersFromComing() {
         var turn = new Turn("ada", new ClientMessage.LockStep(3, false, 1, Optional.empty()),
-                MILLISECOND);
+                MILLISECOND, allowance());
         turn.begin(1);
         lockStep.add(turn);
         assertThat(lockStep.nanosecondsToWait(2, 0)).isEqualTo(MILLISECOND);
@@ -379,7 +391,7 @@ class LockStepTest {
         lockStep.came();
         assertThat(turn.isDue(2, 1)).as("it begins with the others").isTrue();
         assertThat(lockStep.nanosecondsToWait(3, 0)).isEqualTo(MILLISECOND);
-        turn.ready();
+        turn.ready(0);
         assertThat(lockStep.nanosecondsToWait(3, 0)).isZero();
         lockStep.comes();
         assertThat(lockStep.nanosecondsToWait(6, 0)).as("it plays already").isEqualTo(MILLISECOND);
@@ -388,12 +400,13 @@ class LockStepTest {
     @Test
     void ofTheRoundsThatABrokenConnectionCostsTheOthersHearOnce() {
         var heard = new ArrayList<AgentInput>();
-        var gate = new LockStep(() -> { }, heard::add, LockStep.Waiting.IDLE);
+        var gate = new LockStep(() -> { }, heard::add, allowances(),
+                LockStep.Waiting.IDLE);
         var turn = new Turn("ada", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
-                MILLISECOND);
+                MILLISECOND, allowance());
         turn.begin(1);
         gate.add(turn);
-        turn.breakOff();
+        turn.breakOff(0);
         for (long frame = 2; frame < 5; frame++) {
             assertThat(gate.nanosecondsToWait(frame, 0)).isZero();
         }

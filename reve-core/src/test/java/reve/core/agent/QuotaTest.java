@@ -73,7 +73,7 @@ class QuotaTest {
                 l.maxErrors());
         AgentTimeouts t = c.timeouts();
         var timeouts = new AgentTimeouts(t.hello(), t.line(), t.idle(), flood, t.write(), t.grace(),
-                t.deadline(), t.linger());
+                t.deadline(), t.waiting(), t.linger());
         return new AgentServerConfig(c.address(), limits, timeouts, c.audit(), c.security());
     }
 

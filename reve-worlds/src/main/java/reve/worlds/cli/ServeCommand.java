@@ -39,6 +39,9 @@ import reve.worlds.server.WorldServer;
 public final class ServeCommand implements Callable<Integer> {
     private static final double MIN_DEADLINE = 0.001;
     private static final double MAX_DEADLINE = 3600;
+    private static final double MIN_WAITING = 0.001;
+    private static final double MAX_WAITING = 86_400;
+    private static final String NO_LIMIT = "off";
     private static final double MIN_WATCHDOG = 0.1;
     private static final double MAX_WATCHDOG = 86_400;
     private static final Duration LAST_WORDS = Duration.ofSeconds(1);
@@ -98,6 +101,11 @@ public final class ServeCommand implements Callable<Integer> {
             description = "Longest time that an agent in lock-step may have its world wait [s] "
                     + "(default: ${DEFAULT-VALUE}).")
     private double deadline;
+
+    @Option(names = "--waiting", paramLabel = "S", defaultValue = "10",
+            description = "Time that agents in lock-step may keep others waiting [s], beside a "
+                    + "tenth of all time; off: any (default: ${DEFAULT-VALUE}).")
+    private String waiting;
 
     @Option(names = "--watchdog", paramLabel = "S", defaultValue = "5",
             description = "Time without a frame after which a world counts as standing still [s]; "
@@ -275,7 +283,24 @@ public final class ServeCommand implements Callable<Integer> {
                     + ", expected " + MIN_DEADLINE + " to " + MAX_DEADLINE + " s");
         }
         AgentServerConfig config = listen.config()
-                .withDeadline(Duration.ofNanos(Math.round(deadline * 1e9)));
+                .withDeadline(Duration.ofNanos(Math.round(deadline * 1e9)))
+                .withWaiting(waiting());
         return audit.plan().map(config::withAudit).orElse(config);
+    }
+
+    private Optional<Duration> waiting() {
+        if (waiting.equals(NO_LIMIT)) {
+            return Optional.empty();
+        }
+        try {
+            double seconds = Double.parseDouble(waiting);
+            if (seconds >= MIN_WAITING && seconds <= MAX_WAITING) {
+                return Optional.of(Duration.ofNanos(Math.round(seconds * 1e9)));
+            }
+        } catch (NumberFormatException e) {
+            // Said below.
+        }
+        throw new ParameterException(spec.commandLine(), "--waiting is '" + waiting + "'"
+                + ", expected " + NO_LIMIT + " or " + MIN_WAITING + " to " + MAX_WAITING + " s");
     }
 }
