@@ -2,12 +2,13 @@ package reve.tests;
 
 import java.io.IOException;
 import java.nio.charset.StandardCharsets;
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.concurrent.TimeUnit;
 import java.util.regex.Pattern;
 
-/** The {@code ./reve} command line as a process, as it was staged by the build. */
+/** The {@code ./reve} command line as a process of the current release. */
 final class Reve {
     private static final long PATIENCE_SECONDS = 120;
 
@@ -60,11 +61,18 @@ final class Reve {
      * started so as to ignore it, as a shell does with what it starts in the background.
      */
     static List<String> command(String... arguments) {
+        List<String> command = new ArrayList<>(List.of("env", "--default-signal=INT",
+                Project.ROOT.resolve("build/current/bin/reve").toString()));
+        command.addAll(List.of(arguments));
+        return command;
+    }
+
+    /** The command line for a process that has its libraries and laws in another folder. */
+    static List<String> commandIn(Path natives, String... arguments) {
         List<String> command = new ArrayList<>(List.of(
-                "env", "--default-signal=INT",
-                System.getProperty("java.home") + "/bin/java", "-XX:+UseSerialGC",
-                "-XX:+RestoreMXCSROnJNICalls", "--enable-native-access=ALL-UNNAMED",
-                "-Dreve.native.path=" + Project.NATIVE, "-Dreve.root=" + Project.ROOT,
+                System.getProperty("java.home") + "/bin/java", "-XX:+RestoreMXCSROnJNICalls",
+                "--enable-native-access=ALL-UNNAMED", "-Dreve.native.path=" + natives,
+                "-Dreve.root=" + Project.ROOT,
                 "-cp", Project.ROOT.resolve("build/stage/lib") + "/*", "reve.worlds.Main"));
         command.addAll(List.of(arguments));
         return command;

@@ -264,11 +264,10 @@ class WorldTrustIT {
         assertThat(elsewhere.err()).contains("the law library 'newton_motion' (SHA-256 ");
     }
 
-    private Outcome serveAs(String account, Path release, String... arguments) throws Exception {
+    private Outcome serveAs(String account, Path natives, String... arguments) throws Exception {
         List<String> command = new ArrayList<>(List.of("env",
                 "XDG_STATE_HOME=" + folder.resolve(account)));
-        Reve.command(arguments).forEach(part -> command.add(
-                part.startsWith("-Dreve.native.path=") ? "-Dreve.native.path=" + release : part));
+        command.addAll(Reve.commandIn(natives, arguments));
         return Reve.run(command);
     }
 }
