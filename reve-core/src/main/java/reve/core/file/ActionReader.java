@@ -15,7 +15,6 @@ import reve.core.access.Terms;
 import reve.core.rule.Expression;
 import reve.core.rule.ExpressionType;
 import reve.core.rule.Scope;
-import reve.core.text.Suggestion;
 import reve.core.unit.Unit;
 import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
@@ -105,7 +104,7 @@ final class ActionReader {
             java.text().ifPresent(name -> problems.add(java, "java: no action `"
                     + Node.shorten(name) + "` is on the class path; there "
                     + (names.isEmpty() ? "is none" : "are " + String.join(", ", names))
-                    + Suggestion.of(name, names)));
+                    + problems.suggestion(name, names)));
             return Optional.empty();
         }
         Map<String, Optional<Parameter>> parameters = new LinkedHashMap<>();

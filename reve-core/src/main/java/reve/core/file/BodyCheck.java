@@ -1,7 +1,9 @@
 package reve.core.file;
 
 import java.util.HashSet;
+import java.util.IdentityHashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import reve.core.access.DeclaredAction;
@@ -28,6 +30,9 @@ final class BodyCheck {
     /** Where inertia was refused: what repetitions have in common is told once. */
     private final Set<String> refused = new HashSet<>();
 
+    /** Lists of actions, by identity, and as bits of what items they were checked. */
+    private final Map<List<Action>, Integer> checked = new IdentityHashMap<>();
+
     BodyCheck(Doubts doubts, Problems problems) {
         this.doubts = doubts;
         this.problems = problems;
@@ -44,6 +49,28 @@ final class BodyCheck {
                     + "that could show it; give it one, or leave the material out", problems);
         }
         checkInertia(node, item);
+        if (isFirstOfThese(item)) {
+            checkActions(node, item);
+        }
+    }
+
+    /** Items that share their actions are told of once. */
+    private boolean isFirstOfThese(ItemDefinition item) {
+        if (item.actions().isEmpty()) {
+            return false;
+        }
+        int look = (moves(item) ? 1 : 2) << (item.hasPhysics() ? 2 : 0);
+        int before = checked.getOrDefault(item.actions(), 0);
+        checked.put(item.actions(), before | look);
+        return (before & look) == 0;
+    }
+
+    private static boolean moves(ItemDefinition item) {
+        return item.parent().isEmpty() && item.physics(MASS)
+                .filter(mass -> mass[0] > 0).isPresent();
+    }
+
+    private void checkActions(Node node, ItemDefinition item) {
         for (Action action : item.actions()) {
             if (action instanceof DeclaredAction declared) {
                 checkEffects(find(node, "access", action.name(), "effects"), declared.effects(),
@@ -76,8 +103,7 @@ final class BodyCheck {
     }
 
     private void checkEffects(Node nodes, List<Effect> effects, ItemDefinition item) {
-        boolean moves = item.parent().isEmpty() && item.physics(MASS)
-                .filter(mass -> mass[0] > 0).isPresent();
+        boolean moves = moves(item);
         boolean getsMass = effects.stream().anyMatch(effect -> effect instanceof Effect.SetProperty
                 && effect.changes().equals("physics." + MASS));
         for (int i = 0; i < effects.size(); i++) {

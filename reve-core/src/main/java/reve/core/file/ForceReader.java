@@ -41,6 +41,9 @@ final class ForceReader {
         Set<String> immovable = items.stream().filter(ForceReader::isImmovable)
                 .map(ItemDefinition::name).collect(Collectors.toSet());
         for (Node node : list.children()) {
+            if (problems.full()) {
+                break;
+            }
             Optional<String> item = node.get("item").flatMap(names::physicalBody);
             Optional<double[]> newtons = node.get("force").flatMap(this::newtons);
             Optional<Double> frames = node.get("frames").flatMap(Node::number);

@@ -8,7 +8,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.text.Suggestion;
 import reve.core.world.WorldPrototype;
 
 /** Which items a world file has, by name, and where it mentions them. */
@@ -89,7 +88,7 @@ final class ItemNames {
         Entry entry = byName.get(name);
         if (entry == null) {
             return refuse(target, target.label() + ": no item is named `" + Node.shorten(name)
-                    + "`" + Suggestion.of(name, byName.keySet()));
+                    + "`" + problems.suggestion(name, byName.keySet()));
         }
         if (!entry.kind.equals(mention.kind)) {
             return refuse(target, target.label() + ": `" + name + "` is a " + entry.kind

@@ -1,18 +1,21 @@
 package reve.core.file;
 
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.HashSet;
+import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
+import java.util.function.BiConsumer;
 import java.util.function.BiFunction;
+import java.util.function.Consumer;
 import java.util.function.Function;
 import reve.core.mesh.Assets;
-import reve.core.text.Suggestion;
 import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 import reve.core.world.PropertyDescriptor;
-import reve.core.world.ScalarType;
 import reve.core.world.SemanticAspect;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
@@ -37,8 +40,18 @@ final class ItemReader {
     private final BodyCheck bodies;
     /** Begins the definition of an item of a name, which it may refuse. */
     private final Function<String, ItemDefinition.Builder> beginning;
+    /** What was read of the aspects that items have wholly from prefabs. */
+    private final Map<SharedAspect, ItemDefinition> shared = new HashMap<>();
     private final Allowance created = new Allowance(MAX_CREATED);
     private int createdDepth;
+
+    /** Reads one aspect of an item. */
+    private interface AspectReading {
+        void read(Node aspect, ItemDefinition.Builder item) throws WorldFileException;
+    }
+
+    /** An aspect, by its identity, and what else it depends on how it is read. */
+    private record SharedAspect(Node aspect, String kind, boolean hasPhysics) {}
 
     /** Lays what an item says over what it is like. */
     interface Completion {
@@ -192,7 +205,8 @@ final class ItemReader {
             switch (made.aspect()) {
                 case "physical" -> physical.readPlaceOrColour(made.value(), item);
                 case "semantic" -> readSymbol(made.value(), item);
-                case "physics" -> physics.readProperty(made.value(), definition.kind(), sink(item));
+                case "physics" -> physics.readProperty(made.value(), definition.kind(),
+                        sink(item, item::physics));
                 default -> { } // the name, and the parent, which comes last
             }
         }
@@ -253,10 +267,10 @@ final class ItemReader {
             return refuse(node.orElseThrow(),
                     "kind: there is only one world; its properties belong under `constants`");
         }
-        if (!prototype.kinds().contains(kind)) {
+        if (!prototype.hasKind(kind)) {
             return refuse(node.orElseThrow(), "kind: no properties are declared for kind `" + kind
-                    + "`, known are " + String.join(", ", prototype.kinds())
-                    + Suggestion.of(kind, prototype.kinds()));
+                    + "`, known are " + Node.list(prototype.kinds())
+                    + problems.suggestion(kind, prototype.kinds()));
         }
         return Optional.of(kind);
     }
@@ -293,21 +307,29 @@ final class ItemReader {
 
     private void readAspects(Node node, String kind, boolean hasPhysics,
             ItemDefinition.Builder item) throws WorldFileException {
-        node.get("physical").ifPresent(aspect -> {
-            if (kind.equals(WorldPrototype.BODY)) {
-                physical.read(aspect, item);
-            } else {
-                problems.addAtKey(aspect, "only items of kind body have `physical`, this is a "
-                        + kind);
-            }
-        });
-        node.get("semantic").ifPresent(aspect -> readSymbols(aspect, item));
-        node.get("physics").ifPresent(aspect -> readPhysics(aspect, kind, item));
+        Optional<Node> place = node.get("physical");
+        if (place.isPresent() && kind.equals(WorldPrototype.BODY)) {
+            read(node, place.get(), kind, hasPhysics, item, physical::read, item::physicalOf);
+        } else if (place.isPresent()) {
+            problems.addAtKey(place.get(), "only items of kind body have `physical`, this is a "
+                    + kind);
+        }
+        if (node.get("semantic").isPresent()) {
+            read(node, node.get("semantic").get(), kind, hasPhysics, item, this::readSymbols,
+                    item::symbolsOf);
+        }
+        Optional<Node> properties = node.get("physics");
+        if (properties.isPresent() && physics.density(properties.get(), kind).isEmpty()) {
+            read(node, properties.get(), kind, hasPhysics, item,
+                    (aspect, into) -> readPhysics(aspect, kind, into), item::physicsOf);
+        } else if (properties.isPresent()) {
+            readPhysics(properties.get(), kind, item); // the density's mass follows from the shape
+        }
         node.get("capabilities").ifPresent(all -> readCapabilities(all, item));
-        var owner = new ActionReader.Owner(item.name(), kind, hasPhysics);
-        for (Node action : node.get("access").map(Node::children).orElse(List.of())) {
-            Optional<Action> read = actions.read(action, owner);
-            read.ifPresent(item::action);
+        if (node.get("access").isPresent()) {
+            read(node, node.get("access").get(), kind, hasPhysics, item, (aspect, into) ->
+                    readActions(aspect, new ActionReader.Owner(item.name(), kind, hasPhysics),
+                            into), item::actionsOf);
         }
         node.get("sensors").ifPresent(all -> {
             if (kind.equals(WorldPrototype.BODY)) {
@@ -316,6 +338,36 @@ final class ItemReader {
                 problems.addAtKey(all, "only items of kind body have `sensors`, this is a " + kind);
             }
         });
+    }
+
+    /** Reads an aspect; what is wholly of a prefab only for the first item that is like it. */
+    private void read(Node node, Node aspect, String kind, boolean hasPhysics,
+            ItemDefinition.Builder item, AspectReading reading, Consumer<ItemDefinition> taking)
+            throws WorldFileException {
+        if (aspect.isWrittenIn(node)) {
+            reading.read(aspect, item);
+            return;
+        }
+        var key = new SharedAspect(aspect, kind, hasPhysics);
+        ItemDefinition read = shared.get(key);
+        if (read == null) {
+            ItemDefinition.Builder first = ItemDefinition.kept(item.name()).kind(kind);
+            reading.read(aspect, first);
+            read = first.build();
+            shared.put(key, read);
+        }
+        taking.accept(read);
+    }
+
+    private void readActions(Node access, ActionReader.Owner owner, ItemDefinition.Builder item)
+            throws WorldFileException {
+        for (Node action : access.children()) {
+            if (problems.full()) {
+                return;
+            }
+            Optional<Action> read = actions.read(action, owner);
+            read.ifPresent(item::action);
+        }
     }
 
     private static void readCapabilities(Node all, ItemDefinition.Builder item) {
@@ -330,6 +382,9 @@ final class ItemReader {
 
     private void readSymbols(Node aspect, ItemDefinition.Builder item) {
         for (Node symbol : aspect.children()) {
+            if (problems.full()) {
+                return;
+            }
             readSymbol(symbol, item);
         }
     }
@@ -354,15 +409,18 @@ final class ItemReader {
     }
 
     private void readPhysics(Node aspect, String kind, ItemDefinition.Builder item) {
-        physics.read(aspect, kind, sink(item));
+        Map<String, double[]> numbers = new LinkedHashMap<>();
+        physics.read(aspect, kind, sink(item, numbers::put));
+        item.physics(numbers);
         physics.density(aspect, kind).ifPresent(value -> densities.read(value, aspect, item));
     }
 
-    private PhysicsReader.Sink sink(ItemDefinition.Builder item) {
+    private PhysicsReader.Sink sink(ItemDefinition.Builder item,
+            BiConsumer<String, double[]> numbers) {
         return new PhysicsReader.Sink() {
             @Override
             public void numbers(String property, double[] values) {
-                item.physics(property, values);
+                numbers.accept(property, values);
             }
 
             @Override
@@ -387,10 +445,7 @@ final class ItemReader {
     private void requireReferences(Function<String, Optional<Node>> values, Node aspect,
             String kind) {
         Set<String> targets = new HashSet<>();
-        for (PropertyDescriptor property : prototype.properties()) {
-            if (!property.kind().equals(kind) || property.type() != ScalarType.REF) {
-                continue;
-            }
+        for (PropertyDescriptor property : prototype.references(kind)) {
             Optional<Node> given = values.apply(property.name());
             if (given.isEmpty()) {
                 problems.addAtKey(aspect, "a " + kind + " needs `" + property.name() + "`: "

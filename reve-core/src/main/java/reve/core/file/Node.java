@@ -14,6 +14,9 @@ import org.jspecify.annotations.Nullable;
  * another type than asked for: that is for the schema to report, once.
  */
 final class Node {
+    /** Most names that a message lists. */
+    private static final int MAX_LISTED = 24;
+
     private final String file;
     private final @Nullable Node parent;
     private final Object key;
@@ -81,6 +84,9 @@ final class Node {
 
     /** This mapping without one of its keys. */
     Node without(String name) {
+        if (get(name).isEmpty()) {
+            return this;
+        }
         var fields = new LinkedHashMap<>(fieldMap());
         fields.remove(name);
         return withValue(fields);
@@ -98,6 +104,11 @@ final class Node {
             }
             return node;
         }
+    }
+
+    /** Whether this stands in the mapping that {@code owner} was written as, not in a prefab. */
+    boolean isWrittenIn(Node owner) {
+        return parent != null && parent.parent == owner.parent && parent.key.equals(owner.key);
     }
 
     /** Says that the text does not begin in the column of the value: behind a quote, or below. */
@@ -210,6 +221,13 @@ final class Node {
             case Map<?, ?> map -> "a mapping";
             default -> "a list of " + elementList().size();
         };
+    }
+
+    /** Names for messages, with commas between them; of many, the first. */
+    static String list(List<String> names) {
+        return names.size() <= MAX_LISTED ? String.join(", ", names)
+                : String.join(", ", names.subList(0, MAX_LISTED)) + " and "
+                        + (names.size() - MAX_LISTED) + " more";
     }
 
     /** The text or, of a long one, its beginning. */

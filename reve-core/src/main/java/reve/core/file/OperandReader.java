@@ -11,7 +11,6 @@ import reve.core.rule.Expression;
 import reve.core.rule.ExpressionException;
 import reve.core.rule.ExpressionType;
 import reve.core.rule.Scope;
-import reve.core.text.Suggestion;
 import reve.core.unit.Unit;
 import reve.core.world.Colour;
 import reve.core.world.Parameter;
@@ -239,7 +238,7 @@ final class OperandReader {
         Optional<Parameter> declared = parameters.get(name);
         if (declared == null) {
             problems.add(node, node.label() + ": the action has no parameter `"
-                    + Node.shorten(name) + "`" + Suggestion.of(name, parameters.keySet()));
+                    + Node.shorten(name) + "`" + problems.suggestion(name, parameters.keySet()));
             return Optional.empty();
         }
         return declared;

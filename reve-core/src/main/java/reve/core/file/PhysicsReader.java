@@ -8,7 +8,6 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.text.Suggestion;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
 import reve.core.world.WorldPrototype;
@@ -176,8 +175,8 @@ final class PhysicsReader {
                 known.add(property.name());
             }
         }
-        String suggestion = Suggestion.of(name, known);
-        return suggestion.isEmpty() ? "; known are " + String.join(", ", known)
+        String suggestion = problems.suggestion(name, known);
+        return suggestion.isEmpty() ? "; known are " + Node.list(known)
                 + "; others are declared under `properties`" : suggestion;
     }
 

@@ -1,11 +1,11 @@
 package reve.core.file;
 
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
-import reve.core.world.PropertyDescriptor;
 import reve.core.world.WorldPrototype;
 
 /**
@@ -20,16 +20,21 @@ final class PrefabCheck {
             "mesh", Set.of("vertices", "triangles"));
 
     private final WorldPrototype prototype;
+    /** Of which kind a property is, by its name. */
+    private final Map<String, String> kinds = new HashMap<>();
     private final ItemReader reader;
+    /** Aspects without what is given by formulas. */
+    private final Map<Node, Node> constants = new HashMap<>();
 
     /** @param reader for these only: the items that prefabs refer to need not be there */
     PrefabCheck(WorldPrototype prototype, ItemReader reader) {
         this.prototype = prototype;
+        prototype.properties().forEach(each -> kinds.put(each.name(), each.kind()));
         this.reader = reader;
     }
 
     void check(Node prefab) throws WorldFileException {
-        Node part = Template.withoutFormulas(prefab);
+        Node part = withoutFormulas(prefab);
         if (part.get("physical").filter(PrefabCheck::hasWholeShape).isEmpty()) {
             part = without(without(part, "physical", SHAPE_KEYS), "physics", List.of("density"));
             part = without(part, "physical", List.of("material"));
@@ -40,6 +45,20 @@ final class PrefabCheck {
             }
         }
         reader.readPart(part, kind(part));
+    }
+
+    /** Prefabs that are like one have the same aspects, which are searched once. */
+    private Node withoutFormulas(Node prefab) {
+        Map<String, Node> fields = new LinkedHashMap<>();
+        for (Node value : prefab.children()) {
+            if (value.isMapping()) {
+                fields.put(value.key(),
+                        constants.computeIfAbsent(value, Template::withoutFormulas));
+            } else if (!Template.hasFormula(value)) {
+                fields.put(value.key(), value);
+            }
+        }
+        return prefab.withValue(fields);
     }
 
     private static boolean hasWholeShape(Node physical) {
@@ -72,17 +91,19 @@ final class PrefabCheck {
                 || prefab.get("sensors").isPresent() || prefab.get("physics").isEmpty()) {
             return said.orElse(WorldPrototype.BODY);
         }
+        Map<String, Integer> known = new HashMap<>();
+        for (Node value : prefab.get("physics").orElseThrow().children()) {
+            String kind = kinds.get(value.key());
+            if (kind != null) {
+                known.merge(kind, 1, Integer::sum);
+            }
+        }
         String best = WorldPrototype.BODY;
-        for (PropertyDescriptor property : prototype.properties()) {
-            if (known(prefab, property.kind()) > known(prefab, best)) {
-                best = property.kind();
+        for (String kind : known.isEmpty() ? List.<String>of() : prototype.kinds()) {
+            if (known.getOrDefault(kind, 0) > known.getOrDefault(best, 0)) {
+                best = kind;
             }
         }
         return best;
-    }
-
-    private long known(Node prefab, String kind) {
-        return prefab.get("physics").orElseThrow().children().stream()
-                .filter(value -> prototype.find(kind, value.key()).isPresent()).count();
     }
 }

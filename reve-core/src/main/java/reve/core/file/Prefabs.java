@@ -1,6 +1,5 @@
 package reve.core.file;
 
-import reve.core.text.Suggestion;
 import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
@@ -85,7 +84,7 @@ final class Prefabs {
         if (known != null || prefab == null) {
             if (prefab == null) {
                 problems.add(where, "like: there is no prefab `" + Node.shorten(name) + "`"
-                        + Suggestion.of(name, given.keySet()));
+                        + problems.suggestion(name, given.keySet()));
             }
             return Optional.ofNullable(known);
         }

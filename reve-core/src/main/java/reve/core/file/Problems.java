@@ -1,10 +1,12 @@
 package reve.core.file;
 
 import java.util.ArrayList;
+import java.util.Collection;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Set;
 import java.util.regex.Pattern;
+import reve.core.text.Suggestion;
 import reve.core.text.Visible;
 
 /**
@@ -14,6 +16,8 @@ import reve.core.text.Visible;
 final class Problems {
     /** Most problems that one report holds. */
     static final int MAX_REPORTED = 100;
+    /** Most names for which one report looks for what was meant. */
+    static final int MAX_SUGGESTIONS = 20;
 
     private static final Pattern CONTROL_CHARACTER = Pattern.compile("\\p{Cc}");
 
@@ -22,13 +26,16 @@ final class Problems {
     private final List<Problem> warnings;
     /** Mappings in which a key is not known: what they seem to lack may be that. */
     private final Set<String> misspelt;
+    private final Allowance suggestions;
 
     Problems(String file) {
-        this(file, new ArrayList<>(), new ArrayList<>(), new HashSet<>());
+        this(file, new ArrayList<>(), new ArrayList<>(), new HashSet<>(),
+                new Allowance(MAX_SUGGESTIONS));
     }
 
     private Problems(String file, List<Problem> found, List<Problem> warnings,
-            Set<String> misspelt) {
+            Set<String> misspelt, Allowance suggestions) {
+        this.suggestions = suggestions;
         this.file = file;
         this.found = found;
         this.warnings = warnings;
@@ -37,7 +44,7 @@ final class Problems {
 
     /** The same problems, to be told of another file. */
     Problems of(String otherFile) {
-        return new Problems(otherFile, found, warnings, misspelt);
+        return new Problems(otherFile, found, warnings, misspelt, suggestions);
     }
 
     /** The file that is being read. */
@@ -101,6 +108,14 @@ final class Problems {
         return misspelt.contains(mapping.file() + mapping.pointer());
     }
 
+    /**
+     * The end of a message that says which name was probably meant. Empty if none is near, and for
+     * all but the first names: to look for them takes longer than all else.
+     */
+    String suggestion(String wrong, Collection<String> known) {
+        return !full() && suggestions.take(1) ? Suggestion.of(wrong, known) : "";
+    }
+
     /** Notes what does not keep a file from being valid. */
     void warn(Node node, String message) {
         Problem warning = problem(Problem.Severity.WARNING, node.file(), node.line(),
@@ -128,6 +143,27 @@ final class Problems {
 
     boolean isEmpty() {
         return found.isEmpty();
+    }
+
+    /**
+     * Ends the reading if all files together declare too many, before anything is made of them.
+     *
+     * @param declared what they declare
+     * @param key under which they do
+     */
+    void requireAtMost(int most, List<Node> declared, String key) throws WorldFileException {
+        if (declared.size() > most) {
+            Node first = declared.get(most);
+            throw of(first.file()).fatal(first.keyLine(), first.keyColumn(), key + ": found "
+                    + declared.size() + " in all files, expected at most " + most);
+        }
+    }
+
+    /** Ends the reading if no more would be told. */
+    void throwIfFull() throws WorldFileException {
+        if (full()) {
+            throw exception();
+        }
     }
 
     /** Ends the reading if anything was found. */

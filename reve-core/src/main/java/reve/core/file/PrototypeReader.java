@@ -11,6 +11,9 @@ import reve.core.world.WorldPrototype;
 
 /** Reads {@code prototype} and {@code properties}: which properties the items of a world have. */
 final class PrototypeReader {
+    /** Most properties of one world. */
+    static final int MAX_PROPERTIES = 1000;
+
     private final Problems problems;
     private final Quantities quantities;
     private final Set<String> misdeclared = new HashSet<>();
@@ -21,7 +24,8 @@ final class PrototypeReader {
     }
 
     /** The standard prototype that the file names, with the properties that are declared. */
-    WorldPrototype read(Node root, List<Node> properties) {
+    WorldPrototype read(Node root, List<Node> properties) throws WorldFileException {
+        problems.requireAtMost(MAX_PROPERTIES, properties, "properties");
         WorldPrototype prototype = standard(root);
         for (Node property : properties) {
             prototype = extend(prototype, property);

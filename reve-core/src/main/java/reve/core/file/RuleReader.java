@@ -11,7 +11,6 @@ import reve.core.rule.ExpressionException;
 import reve.core.rule.ExpressionType;
 import reve.core.rule.Rule;
 import reve.core.rule.Scope;
-import reve.core.text.Suggestion;
 import reve.core.unit.Unit;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
@@ -19,7 +18,7 @@ import reve.core.world.WorldPrototype;
 
 /** Reads what a world says of semantic symbols: their types, and rules that give them. */
 final class RuleReader {
-    /** Most rules of one world. */
+    /** Most rules of one world, and most symbols whose type it declares. */
     static final int MAX_RULES = 1000;
 
     private final Problems problems;
@@ -29,7 +28,9 @@ final class RuleReader {
     }
 
     /** The prototype with the declared symbols. */
-    WorldPrototype readSymbols(List<Node> symbols, WorldPrototype prototype) {
+    WorldPrototype readSymbols(List<Node> symbols, WorldPrototype prototype)
+            throws WorldFileException {
+        problems.requireAtMost(MAX_RULES, symbols, "symbols");
         List<SymbolDescriptor> declared = new ArrayList<>();
         Map<String, Node> first = new LinkedHashMap<>();
         for (Node node : symbols) {
@@ -42,12 +43,8 @@ final class RuleReader {
     }
 
     /** All rules, in the order of the file. */
-    List<Rule> readRules(List<Node> nodes, WorldPrototype prototype) {
-        if (nodes.size() > MAX_RULES) {
-            problems.addAtKey(nodes.get(MAX_RULES), "rules: found " + nodes.size()
-                    + ", expected " + MAX_RULES + " at most");
-            return List.of();
-        }
+    List<Rule> readRules(List<Node> nodes, WorldPrototype prototype) throws WorldFileException {
+        problems.requireAtMost(MAX_RULES, nodes, "rules");
         List<Rule> rules = new ArrayList<>();
         Map<String, Node> first = new LinkedHashMap<>();
         Map<String, Scope> scopes = new HashMap<>();
@@ -87,9 +84,9 @@ final class RuleReader {
     private Optional<Rule> rule(Node node, WorldPrototype prototype, Map<String, Scope> scopes) {
         Optional<Node> is = node.isMapping() ? node.get("is") : Optional.of(node);
         String kind = node.get("kind").flatMap(Node::text).orElse(WorldPrototype.BODY);
-        if (!prototype.kinds().contains(kind)) {
+        if (!prototype.hasKind(kind)) {
             problems.add(node.get("kind").orElseThrow(), "kind: there is no kind `" + kind + "`"
-                    + Suggestion.of(kind, prototype.kinds()));
+                    + problems.suggestion(kind, prototype.kinds()));
             return Optional.empty();
         }
         Scope scope = scopes.computeIfAbsent(kind, known -> Scope.ofItem(prototype, known));

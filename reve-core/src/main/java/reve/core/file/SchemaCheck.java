@@ -1,6 +1,5 @@
 package reve.core.file;
 
-import reve.core.text.Suggestion;
 import com.networknt.schema.Error;
 import com.networknt.schema.Schema;
 import com.networknt.schema.SchemaLocation;
@@ -50,37 +49,50 @@ final class SchemaCheck {
     private static final Pattern DIGITS = Pattern.compile("\\d+( .*)?");
 
     private final Problems problems;
+    /** Whether a list or a mapping is longer than it may be. */
+    private boolean tooLong;
 
     private SchemaCheck(Problems problems) {
         this.problems = problems;
     }
 
     /** Notes everything in a world file that has not the form it should have. */
-    static void check(Node root, Problems problems) {
+    static void check(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, FILE);
     }
 
     /** As {@link #check}, of a file that is included. */
-    static void checkPart(Node root, Problems problems) {
+    static void checkPart(Node root, Problems problems) throws WorldFileException {
         new SchemaCheck(problems).check(root, PART);
     }
 
     /** As {@link #check}, of a single item. */
-    static void checkItem(Node item, Problems problems) {
-        new SchemaCheck(problems).report(ITEM.validate(toJson(item, Optional.empty())), item);
+    static void checkItem(Node item, Problems problems) throws WorldFileException {
+        var check = new SchemaCheck(problems);
+        check.report(ITEM.validate(toJson(item, Optional.empty())), item);
+        check.endIfTooLong();
     }
 
     /** Items are checked one by one: there may be many, and a hundred problems are enough. */
-    private void check(Node root, Schema schema) {
+    private void check(Node root, Schema schema) throws WorldFileException {
         ObjectNode withoutItems = (ObjectNode) toJson(root, root.get("items").filter(Node::isList));
         report(schema.validate(withoutItems), root);
         for (Node item : root.get("items").filter(Node::isList).map(Node::children)
                 .orElse(List.of())) {
-            if (problems.full()) {
-                return;
+            if (tooLong || problems.full()) {
+                break;
             }
             report(ITEM.validate(toJson(item, Optional.empty())), item);
         }
+        endIfTooLong();
+    }
+
+    /** What is read after this may take it that every list and mapping is as long as it may be. */
+    private void endIfTooLong() throws WorldFileException {
+        if (tooLong) {
+            problems.throwIfAny();
+        }
+        problems.throwIfFull();
     }
 
     private void report(List<Error> errors, Node base) {
@@ -114,6 +126,10 @@ final class SchemaCheck {
                     if (!problems.isMisspelt(node)) {
                         problems.add(node, subject(node) + message(error, node));
                     }
+                }
+                case "maxItems", "maxProperties" -> {
+                    tooLong = true;
+                    problems.add(node, subject(node) + message(error, node));
                 }
                 default -> problems.add(node, subject(node) + message(error, node));
             }
@@ -153,7 +169,8 @@ final class SchemaCheck {
                     + (rule.isNumber() ? ", the format version that is read here" : "");
             case "enum" -> "found " + node.describe() + ", expected one of `"
                     + String.join("`, `", strings(rule)) + "`"
-                    + node.text().map(text -> Suggestion.of(text, strings(rule))).orElse("");
+                    + node.text().map(text -> problems.suggestion(text, strings(rule)))
+                            .orElse("");
             case "pattern" -> "found " + node.describe() + ", expected "
                     + surrounding(error).path("description").asString();
             case "minimum" -> "found " + node.describe() + ", expected at least " + rule;
@@ -188,10 +205,10 @@ final class SchemaCheck {
         return textOnly && node.scalar().isPresent() ? "; put it in quotes" : "";
     }
 
-    private static String hintForUnknownKey(Error error) {
+    private String hintForUnknownKey(Error error) {
         List<String> known = new ArrayList<>(
                 surrounding(error).path("properties").propertyNames());
-        String suggestion = Suggestion.of(error.getProperty(), known);
+        String suggestion = problems.suggestion(error.getProperty(), known);
         return suggestion.isEmpty() ? "; known here: " + String.join(", ", known) : suggestion;
     }
 

@@ -7,6 +7,8 @@ import java.util.regex.Pattern;
 
 /** Numbers from a CSV file: a line of names, then lines of numbers; `#` begins a comment line. */
 final class Table {
+    /** Most columns of one file. */
+    private static final int MAX_COLUMNS = 256;
     private static final Pattern NAME = Pattern.compile("[A-Za-z][A-Za-z0-9_.]*");
 
     private final Problems problems;
@@ -51,6 +53,9 @@ final class Table {
                 throw problems.fatal(lineNumber, column, "`" + Node.shorten(name) + "` cannot be "
                         + "the name of a column: expected a letter, then letters, digits, _ or ., "
                         + "neither given twice nor a function or constant of formulas");
+            }
+            if (names.size() == MAX_COLUMNS) {
+                throw problems.fatal(lineNumber, column, "more than " + MAX_COLUMNS + " columns");
             }
             names.add(name);
             column += cell.length() + 1;

@@ -71,6 +71,9 @@ final class Template {
 
     /** The mapping without the values in which formulas stand. */
     static Node withoutFormulas(Node mapping) {
+        if (!hasFormula(mapping)) {
+            return mapping;
+        }
         Map<String, Node> fields = new LinkedHashMap<>();
         for (Node value : mapping.children()) {
             if (value.isMapping()) {
@@ -82,7 +85,8 @@ final class Template {
         return mapping.withValue(fields);
     }
 
-    private static boolean hasFormula(Node node) {
+    /** Whether a formula stands in the value, or anywhere in it. */
+    static boolean hasFormula(Node node) {
         return node.text().filter(text -> text.indexOf('{') >= 0).isPresent()
                 || node.children().stream().anyMatch(Template::hasFormula);
     }

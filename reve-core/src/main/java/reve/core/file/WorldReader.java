@@ -54,6 +54,7 @@ final class WorldReader {
         var prefabs = new PrefabCheck(prototype, new ItemReader(prototype, physics, assets,
                 source.files()::pathOf, expansion::complete, doubts, problems));
         for (Node prefab : expansion.unusedPrefabs()) {
+            problems.throwIfFull();
             prefabs.check(prefab);
         }
         List<Rule> rules = ruleReader.readRules(source.named("rules"), prototype);
@@ -103,6 +104,9 @@ final class WorldReader {
         Map<String, Double> values = new LinkedHashMap<>();
         Map<String, LawReference.Mention> mentions = new LinkedHashMap<>();
         for (Node node : law.get("parameters").map(Node::children).orElse(List.of())) {
+            if (problems.full()) {
+                break;
+            }
             quantities.quantity(node).ifPresent(quantity -> {
                 values.put(node.key(), quantity.value());
                 mentions.put(node.key(),

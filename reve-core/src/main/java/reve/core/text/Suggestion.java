@@ -1,5 +1,6 @@
 package reve.core.text;
 
+import java.util.Arrays;
 import java.util.Collection;
 import java.util.Comparator;
 import java.util.Locale;
@@ -8,16 +9,24 @@ import java.util.Locale;
 public final class Suggestion {
     /** Names beyond these are not looked at, so that a wrong file is refused quickly. */
     private static final int MAX_CANDIDATES = 1_000;
+    /** Longest text for which a name is looked for; names of items are no longer. */
+    private static final int MAX_LENGTH = 128;
+    /** Most letters in which a name may differ from what was written. */
+    private static final int MAX_DISTANCE = 8;
 
     private Suggestion() {}
 
     /** {@code "; did you mean `x`?"}, or nothing if no known name is near. */
     public static String of(String wrong, Collection<String> known) {
-        int limit = Math.max(1, wrong.length() / 3);
+        if (wrong.length() > MAX_LENGTH) {
+            return "";
+        }
+        int limit = Math.clamp(wrong.length() / 3, 1, MAX_DISTANCE);
+        String written = lower(wrong);
         record Candidate(String name, int distance) {}
         return known.stream().limit(MAX_CANDIDATES)
                 .filter(name -> Math.abs(name.length() - wrong.length()) <= limit)
-                .map(name -> new Candidate(name, distance(lower(wrong), lower(name))))
+                .map(name -> new Candidate(name, distance(written, lower(name), limit)))
                 .filter(candidate -> candidate.distance <= limit
                         && candidate.distance < Math.min(wrong.length(), candidate.name.length()))
                 .min(Comparator.comparingInt(Candidate::distance))
@@ -28,24 +37,39 @@ public final class Suggestion {
         return text.toLowerCase(Locale.ROOT);
     }
 
-    /** Fewest insertions, deletions, replacements and swaps of neighbours between two texts. */
-    private static int distance(String a, String b) {
-        int[][] d = new int[a.length() + 1][b.length() + 1];
-        for (int i = 0; i <= a.length(); i++) {
-            for (int j = 0; j <= b.length(); j++) {
-                if (i == 0 || j == 0) {
-                    d[i][j] = i + j;
-                    continue;
-                }
+    /**
+     * Fewest insertions, deletions, replacements and swaps of neighbours between two texts, or some
+     * number above {@code limit}. Works on the three last rows, and in them beside the diagonal.
+     */
+    private static int distance(String a, String b, int limit) {
+        int far = limit + 1;
+        int[] twoAbove = new int[b.length() + 1];
+        int[] above = new int[b.length() + 1];
+        int[] row = new int[b.length() + 1];
+        Arrays.setAll(row, j -> Math.min(j, far));
+        for (int i = 1; i <= a.length(); i++) {
+            int[] oldest = twoAbove;
+            twoAbove = above;
+            above = row;
+            row = oldest;
+            Arrays.fill(row, far);
+            row[0] = Math.min(i, far);
+            int least = row[0];
+            for (int j = Math.max(1, i - limit); j <= Math.min(b.length(), i + limit); j++) {
                 boolean same = a.charAt(i - 1) == b.charAt(j - 1);
-                d[i][j] = Math.min(d[i - 1][j - 1] + (same ? 0 : 1),
-                        Math.min(d[i - 1][j], d[i][j - 1]) + 1);
+                int distance = Math.min(above[j - 1] + (same ? 0 : 1),
+                        Math.min(above[j], row[j - 1]) + 1);
                 if (i > 1 && j > 1 && a.charAt(i - 1) == b.charAt(j - 2)
                         && a.charAt(i - 2) == b.charAt(j - 1)) {
-                    d[i][j] = Math.min(d[i][j], d[i - 2][j - 2] + 1);
+                    distance = Math.min(distance, twoAbove[j - 2] + 1);
                 }
+                row[j] = distance;
+                least = Math.min(least, distance);
+            }
+            if (least > limit) {
+                return far;
             }
         }
-        return d[a.length()][b.length()];
+        return row[b.length()];
     }
 }

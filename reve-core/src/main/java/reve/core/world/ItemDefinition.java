@@ -1,5 +1,6 @@
 package reve.core.world;
 
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -41,7 +42,8 @@ public final class ItemDefinition {
         orientation = builder.orientation;
         parent = Optional.ofNullable(builder.parent);
         symbols = builder.symbols;
-        actions = builder.actions;
+        actions = builder.actionsByName == null ? builder.actions
+                : List.copyOf(builder.actionsByName.values());
         capabilities = builder.capabilities;
         sensors = builder.sensors;
         numbers = builder.numbers;
@@ -248,6 +250,8 @@ public final class ItemDefinition {
         private @Nullable String parent;
         private PMap<String, Object> symbols = TreePMap.empty();
         private List<Action> actions = List.of();
+        /** Takes the place of the list as soon as there is one action more. */
+        private @Nullable Map<String, Action> actionsByName;
         private List<String> capabilities = List.of();
         private List<Sensor> sensors = List.of();
         private Named<double[]> numbers = Named.none();
@@ -318,11 +322,47 @@ public final class ItemDefinition {
 
         /** Something that agents can do with the item. */
         public Builder action(Action action) {
-            if (actions.stream().anyMatch(other -> other.name().equals(action.name()))) {
+            if (actionsByName == null) {
+                actionsByName = new LinkedHashMap<>();
+                for (Action one : actions) {
+                    actionsByName.put(one.name(), one);
+                }
+            }
+            if (actionsByName.putIfAbsent(action.name(), action) != null) {
                 throw new IllegalArgumentException(
                         "item " + name + " has two actions named " + action.name());
             }
-            actions = Named.append(actions, action);
+            return this;
+        }
+
+        /** Takes place, shape, material and colour from another item, and shares them. */
+        public Builder physicalOf(ItemDefinition other) {
+            placed = other.placed;
+            shape = other.shape;
+            material = other.material;
+            colour = other.colour;
+            location = other.location;
+            orientation = other.orientation;
+            return this;
+        }
+
+        /** Takes all symbols from another item, and shares them. */
+        public Builder symbolsOf(ItemDefinition other) {
+            symbols = other.symbols;
+            return this;
+        }
+
+        /** Takes all actions from another item, and shares them. */
+        public Builder actionsOf(ItemDefinition other) {
+            actions = other.actions;
+            actionsByName = null;
+            return this;
+        }
+
+        /** Takes all properties of its physics aspect from another item, and shares them. */
+        public Builder physicsOf(ItemDefinition other) {
+            numbers = other.numbers;
+            references = other.references;
             return this;
         }
 
@@ -352,6 +392,14 @@ public final class ItemDefinition {
         public Builder physics(String property, double... values) {
             Values.requireFinite(name, property, values);
             numbers = numbers.with(property, values.clone());
+            return this;
+        }
+
+        /** Several numeric physics properties by name, in their order; quicker than one by one. */
+        public Builder physics(Map<String, double[]> properties) {
+            properties.forEach((property, values) ->
+                    Values.requireFinite(name, property, values));
+            numbers = numbers.withAll(properties);
             return this;
         }
 

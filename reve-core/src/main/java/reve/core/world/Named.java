@@ -35,6 +35,18 @@ final class Named<V> {
         return new Named<>(append(names, name), append(values, value));
     }
 
+    /** The same, with several values, in their order. */
+    Named<V> withAll(Map<String, V> more) {
+        if (isEmpty()) {
+            return new Named<>(List.copyOf(more.keySet()), List.copyOf(more.values()));
+        }
+        Named<V> all = this;
+        for (Map.Entry<String, V> each : more.entrySet()) {
+            all = all.with(each.getKey(), each.getValue());
+        }
+        return all;
+    }
+
     @Nullable V get(String name) {
         int index = names.indexOf(name);
         return index < 0 ? null : values.get(index);

@@ -6,6 +6,7 @@ import static reve.core.world.ScalarType.REF;
 import static reve.core.world.ScalarType.U32;
 
 import java.util.ArrayList;
+import java.util.Collections;
 import java.util.HashMap;
 import java.util.LinkedHashSet;
 import java.util.List;
@@ -35,6 +36,9 @@ public final class WorldPrototype {
     private final List<SymbolDescriptor> symbols;
     private final List<String> kinds;
     private final Map<String, PropertyDescriptor> byName = new HashMap<>();
+    private final Map<String, SymbolDescriptor> symbolsByName = new HashMap<>();
+    /** What items of a kind refer to others with, by kind; a key for each kind. */
+    private final Map<String, List<PropertyDescriptor>> references = new HashMap<>();
 
     private WorldPrototype(String name, ScalarType realType, List<PropertyDescriptor> properties,
             List<SymbolDescriptor> symbols) {
@@ -47,6 +51,17 @@ public final class WorldPrototype {
         for (PropertyDescriptor property : this.properties) {
             addUnique(property);
             distinctKinds.add(property.kind());
+            List<PropertyDescriptor> ofKind =
+                    references.computeIfAbsent(property.kind(), kind -> new ArrayList<>());
+            if (property.type() == REF) {
+                ofKind.add(property);
+            }
+        }
+        for (SymbolDescriptor symbol : this.symbols) {
+            if (symbolsByName.putIfAbsent(symbol.name(), symbol) != null) {
+                throw new IllegalArgumentException(
+                        "symbol " + symbol.name() + " is declared twice");
+            }
         }
         physicalProperties.forEach(this::addUnique);
         this.kinds = List.copyOf(distinctKinds);
@@ -96,13 +111,7 @@ public final class WorldPrototype {
      */
     public WorldPrototype withSymbols(List<SymbolDescriptor> more) {
         var all = new ArrayList<>(symbols);
-        for (SymbolDescriptor symbol : more) {
-            if (all.stream().anyMatch(other -> other.name().equals(symbol.name()))) {
-                throw new IllegalArgumentException(
-                        "symbol " + symbol.name() + " is declared twice");
-            }
-            all.add(symbol);
-        }
+        all.addAll(more);
         return new WorldPrototype(name, realType, properties, all);
     }
 
@@ -130,7 +139,7 @@ public final class WorldPrototype {
 
     /** What is declared of a semantic symbol. */
     public Optional<SymbolDescriptor> symbol(String symbolName) {
-        return symbols.stream().filter(symbol -> symbol.name().equals(symbolName)).findFirst();
+        return Optional.ofNullable(symbolsByName.get(symbolName));
     }
 
     /** Properties of the physical aspect of {@code body}. */
@@ -144,6 +153,16 @@ public final class WorldPrototype {
      */
     public List<String> kinds() {
         return kinds;
+    }
+
+    /** Whether there are items of that kind. */
+    public boolean hasKind(String kind) {
+        return references.containsKey(kind);
+    }
+
+    /** Properties with which items of a kind refer to others, in their order. */
+    public List<PropertyDescriptor> references(String kind) {
+        return Collections.unmodifiableList(references.getOrDefault(kind, List.of()));
     }
 
     /** The physics property of that kind and name. */

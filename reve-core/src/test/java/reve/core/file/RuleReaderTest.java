@@ -74,8 +74,7 @@ class RuleReaderTest {
                 () -> parse(text.toString()));
 
         assertThat(refused.problems()).extracting(Problem::toString)
-                .containsExactly("w:4:3: rules: found a mapping, expected at most 256 in it",
-                        "w:1004:3: rules: found 20000, expected 1000 at most");
+                .containsExactly("w:4:3: rules: found a mapping, expected at most 256 in it");
     }
 
     @Test

@@ -1,0 +1,155 @@
+package reve.core.file;
+
+import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.catchThrowableOfType;
+
+import java.lang.management.ManagementFactory;
+import java.nio.charset.StandardCharsets;
+import java.util.List;
+import java.util.function.IntFunction;
+import java.util.stream.Collectors;
+import java.util.stream.IntStream;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.world.ItemDefinition;
+
+/**
+ * Short files that could keep a reader busy: what is too long is refused before anything is made of
+ * it, and what many items have in common is read once. Work is counted, or the processor time of a
+ * large file compared with that of a small one.
+ */
+class CostlyWorldsTest {
+    private static final String START = "reve: 1\nname: w\n";
+
+    private static List<Problem> problems(String text) {
+        WorldFileException refused = catchThrowableOfType(WorldFileException.class,
+                () -> read(text));
+        return refused == null ? List.of() : refused.problems();
+    }
+
+    private static List<ItemDefinition> read(String text) throws WorldFileException {
+        return WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8)).items();
+    }
+
+    private static String times(int count, IntFunction<String> line) {
+        return IntStream.range(0, count).mapToObj(line).collect(Collectors.joining());
+    }
+
+    /** Each declaration is wrong, too, which would be told if it was looked at. */
+    @ParameterizedTest
+    @CsvSource(delimiter = '!', textBlock = """
+            properties: ! - {name: p%d, kind: body, unit: foo} ! a list of 60000
+            symbols:    ! '  s%d: {unit: foo}'                 ! a mapping
+            rules:      ! '  r%d: foo'                         ! a mapping
+            laws:       ! - {name: l%d, parameters: {a: 1 foo}} ! a list of 60000
+            """)
+    void declarationsAreCountedBeforeAnyIsRead(String key, String line, String found) {
+        assertThat(problems(START + key + "\n" + times(60_000, i -> line.formatted(i) + "\n")))
+                .singleElement().satisfies(problem -> assertThat(problem.message())
+                        .contains("found " + found + ", expected at most"));
+    }
+
+    @Test
+    void whatFilesDeclareTogetherIsCountedBeforeAnyIsRead() throws Exception {
+        var problems = new Problems("w");
+        Node list = YamlReader.read("properties:\n" + times(1001, i -> "- {name: p" + i
+                + ", kind: body, unit: foo}\n"), problems, new Allowance(YamlReader.MAX_VALUES));
+        WorldFileException refused = catchThrowableOfType(WorldFileException.class,
+                () -> new PrototypeReader(problems).read(list,
+                        List.copyOf(list.get("properties").orElseThrow().children())));
+        assertThat(refused.problems()).extracting(Problem::toString).containsExactly(
+                "w:1002:3: properties: found 1001 in all files, expected at most 1000");
+    }
+
+    @Test
+    void whatWasMeantIsLookedForOnlySoOften() {
+        List<Problem> problems = problems(START + "items:\n" + times(1000, i -> "- {name: body-" + i
+                + ", physics: {mass: 1}}\n") + times(5000, i -> "- {name: s" + i
+                + ", kind: spring, physics: {end1: bodi-" + i % 1000 + ", end2: bodj-" + i % 1000
+                + "}}\n"));
+        assertThat(problems).hasSize(Problems.MAX_REPORTED + 1);
+        assertThat(problems).filteredOn(problem -> problem.message().contains("did you mean"))
+                .hasSize(Problems.MAX_SUGGESTIONS);
+    }
+
+    /** Repetitions of an item, and items that are like a prefab, have one list of actions. */
+    @Test
+    void actionsAndSymbolsOfAPrefabAreReadOnce() throws WorldFileException {
+        String prefab = START + "prefabs:\n  p:\n    physics: {mass: 0}\n    semantic: {a: [1, 2]}\n"
+                + "    physical: {shape: mesh, vertices: [[0,0,0],[1,0,0],[0,1,0]], "
+                + "triangles: [[0,1,2]]}\n    access:\n"
+                + times(300, i -> "      a" + i + ": {effects: [{impulse: [1, 0, 0]}]}\n");
+        for (String items : List.of("- {name: 'b{i}', like: p, repeat: 50}\n",
+                times(50, i -> "- {name: b" + i + ", like: p, physics: {charge: " + i + "}}\n"))) {
+            WorldDescription world = WorldFile.parse("w", (prefab + "items:\n" + items)
+                    .getBytes(StandardCharsets.UTF_8));
+            ItemDefinition first = world.items().getFirst();
+            assertThat(first.actions()).hasSize(300);
+            assertThat(world.items()).hasSize(50).allSatisfy(item -> {
+                assertThat(item.actions()).isSameAs(first.actions());
+                assertThat(item.symbols()).isSameAs(first.symbols());
+                assertThat(item.shape()).isSameAs(first.shape());
+            });
+            assertThat(world.warnings()).as("each impulse moves nothing").hasSize(100);
+        }
+    }
+
+    /** What an item says itself is its own, and what is like the other in a part only, too. */
+    @Test
+    void whatAnItemAddsToAPrefabIsItsOwn() throws WorldFileException {
+        List<ItemDefinition> items = read(START + "prefabs:\n  p: {semantic: {a: 1}, physics: "
+                + "{mass: 1}}\n  q: {like: p, semantic: {b: 2}}\nitems:\n- {name: x, like: p}\n"
+                + "- {name: y, like: q}\n- {name: z, like: q, semantic: {a: 3}}\n"
+                + "- {name: u, like: p, physics: {mass: 2}}\n");
+        assertThat(items).extracting(item -> item.symbols().toString()).containsExactly(
+                "{a=1.0}", "{a=1.0, b=2.0}", "{a=3.0, b=2.0}", "{a=1.0}");
+        assertThat(items).extracting(item -> item.physics("mass").orElseThrow()[0])
+                .containsExactly(1.0, 1.0, 1.0, 2.0);
+    }
+
+    /** Before, a million repetitions of 300 actions took 25 times as long as those of 3. */
+    @Test
+    void actionsOfRepetitionsCostNothing() throws WorldFileException {
+        assertThat(nanoseconds(repeated(300))).isLessThan(8 * nanoseconds(repeated(3)));
+    }
+
+    private static String repeated(int actions) {
+        return START + "prefabs:\n  p:\n    access:\n" + times(actions, i -> "      a" + i
+                + ": {effects: [{raise: b}]}\n") + "items:\n"
+                + "- {name: 'b{i}', like: p, repeat: 100000}\n";
+    }
+
+    /** Eight times the size takes not much more than eight times the time, not sixty-four times. */
+    @ParameterizedTest
+    @CsvSource(delimiter = '!', textBlock = """
+            items: [{name: a, access: { ! a%d: {effects: [{raise: b}]},            ! '}}]'
+            items: [{name: a, semantic: { ! %2$s: 1,                               ! '}}]'
+            items: [                    ! '{name: %2$s},'                          ! ']'
+            prefabs: {                  ! '%2$s: {physics: {mass: 1, charge: 2}},' ! '}'
+            """)
+    void timeGrowsAsTheFile(String begin, String piece, String end) throws WorldFileException {
+        long small = nanoseconds(START + begin + times(4000, i -> piece(piece, i)) + end + "\n");
+        long large = nanoseconds(START + begin + times(32000, i -> piece(piece, i)) + end + "\n");
+        assertThat(large).isLessThan(30 * small);
+    }
+
+    /** With a number, or with one of 2^16 names that have one hash. */
+    private static String piece(String piece, int number) {
+        return piece.formatted(number, IntStream.range(0, 16)
+                .mapToObj(bit -> (number >> bit & 1) == 0 ? "Aa" : "BB")
+                .collect(Collectors.joining()));
+    }
+
+    /** Processor time of this thread, the least of three. */
+    private static long nanoseconds(String text) throws WorldFileException {
+        var threads = ManagementFactory.getThreadMXBean();
+        long least = Long.MAX_VALUE;
+        for (int i = 0; i < 3; i++) {
+            long begin = threads.getCurrentThreadCpuTime();
+            read(text);
+            least = Math.min(least, threads.getCurrentThreadCpuTime() - begin);
+        }
+        return least;
+    }
+}
