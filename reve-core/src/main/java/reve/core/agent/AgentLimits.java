@@ -13,12 +13,13 @@ package reve.core.agent;
  * @param outboxMessages most messages of one agent that wait to be written
  * @param outboxBytes and most bytes of them
  * @param maxErrors refused messages after which a connection ends
+ * @param kept most sessions without a token that wait for their client to come back
  */
 public record AgentLimits(int maxConnections, int helloBytes, int lineBytes, int messagesPerSecond,
-        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors) {
+        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors, int kept) {
 
     public static final AgentLimits PROTOCOL =
-            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8);
+            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16);
 
     /** @throws IllegalArgumentException if one is not positive */
     public AgentLimits {
@@ -30,6 +31,7 @@ public record AgentLimits(int maxConnections, int helloBytes, int lineBytes, int
         requirePositive("outboxMessages", outboxMessages);
         requirePositive("outboxBytes", outboxBytes);
         requirePositive("maxErrors", maxErrors);
+        requirePositive("kept", kept);
     }
 
     private static void requirePositive(String name, int value) {

@@ -60,6 +60,8 @@ public final class AgentServer implements AutoCloseable {
     /** The event loop's own, as long as it runs. */
     private final List<FileProblem> fileProblems;
     private final Attempts attempts = new Attempts();
+    /** Sessions without a token that wait for their client to come back. Guarded by itself. */
+    private final Set<Session> kept = new HashSet<>();
     private volatile boolean closed;
 
     /**
@@ -396,6 +398,27 @@ public final class AgentServer implements AutoCloseable {
             throw Ending.refused("not-permitted",
                     "your token does not open the world " + world.name(),
                     "ask whoever runs the server for one that does");
+        }
+    }
+
+    /** Keeps a session without a token for its client. @return false if there are too many */
+    boolean keep(Session session) {
+        int most = config.limits().kept();
+        synchronized (kept) {
+            if (kept.size() < most) {
+                kept.add(session);
+                return true;
+            }
+        }
+        log.warn(() -> session + " leaves at once: " + most
+                + " sessions without a token wait for their clients already");
+        return false;
+    }
+
+    /** Its client is back, or its time is over. Does nothing if it was not kept. */
+    void keepNoLonger(Session session) {
+        synchronized (kept) {
+            kept.remove(session);
         }
     }
 

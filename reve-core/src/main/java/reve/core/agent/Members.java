@@ -345,6 +345,10 @@ public final class Members {
         if (bodies.containsKey(join.agent())) {
             throw Ending.nameTaken(join.agent());
         }
+        if (bodies.size() >= policy.most()) {
+            throw Ending.refused("world-full", "world " + world.name() + " has " + bodies.size()
+                    + " agents, which is all it takes", "try again when an agent has left");
+        }
         Body body = take(world, join);
         bodies.put(join.agent(), body);
         raiseJoined(world, frame, join.agent(), body);

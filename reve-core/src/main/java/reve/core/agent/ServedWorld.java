@@ -8,6 +8,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.concurrent.ConcurrentHashMap;
+import org.jspecify.annotations.Nullable;
 import reve.core.agent.ServerMessage.Limits;
 import reve.core.agent.ServerMessage.Welcome;
 import reve.core.frame.FrameGate;
@@ -123,6 +124,17 @@ final class ServedWorld implements AutoCloseable {
                         + " again, until their deadlines");
             }
         });
+    }
+
+    /** Tells an agent in lock-step whose allowance is spent how long the world waits for it. */
+    Optional<ServerMessage.Event> hurry(@Nullable Turn turn, long frame) {
+        return Optional.ofNullable(turn).filter(its -> its.allowance().isSpent())
+                .map(its -> waiting(its, frame));
+    }
+
+    ServerMessage.Event waiting(Turn turn, long frame) {
+        return new ServerMessage.Event(frame, "waiting",
+                Map.of("longest", lockStep.allowances().longestWaitNanos(turn) / 1e9));
     }
 
     // ---- coming and going ----

@@ -4,7 +4,6 @@ import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
 import java.util.ArrayList;
 import java.util.BitSet;
-import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import org.jspecify.annotations.Nullable;
@@ -193,7 +192,7 @@ final class Session {
         }
         perceptions.notBefore(frame);
         offer(world.welcome(this, hello, frame, false));
-        hurry(frame).ifPresent(this::offer);
+        world.hurry(turn, frame).ifPresent(this::offer);
         world.publisher().admit(this);
         server.log().info(this + " joined"
                 + body.map(item -> " with body " + Text.quote(item)).orElse(""));
@@ -210,22 +209,12 @@ final class Session {
                 return; // the welcome tells it
             }
         }
-        send(waiting(its, world.publisher().published()));
+        send(world.waiting(its, world.publisher().published()));
     }
 
     /** Whether its agent is in lock-step and uses up that allowance. */
     boolean has(Allowance allowance) {
         return turn != null && turn.allowance() == allowance;
-    }
-
-    private Optional<ServerMessage.Event> hurry(long frame) {
-        return Optional.ofNullable(turn).filter(its -> its.allowance().isSpent())
-                .map(its -> waiting(its, frame));
-    }
-
-    private ServerMessage.Event waiting(Turn its, long frame) {
-        return new ServerMessage.Event(frame, "waiting", Map.of(
-                "longest", world.lockStep().allowances().longestWaitNanos(its) / 1e9));
     }
 
     /** True if it perceives only what the sensors of its body sense. */
@@ -457,6 +446,7 @@ final class Session {
         synchronized (this) {
             previous = connection;
             connection = next;
+            server.keepNoLonger(this);
             encoding = next.encoding();
             perceptions = perceptionsOver(next);
             perceptions.notBefore(lastResultFrame);
@@ -466,7 +456,8 @@ final class Session {
             var lines = new ArrayList<byte[]>();
             lines.add(world.welcome(this, hello, world.publisher().published(), true).in(encoding));
             events.after(frameSeen).forEach(event -> lines.add(event.in(encoding)));
-            hurry(world.publisher().published()).ifPresent(event -> lines.add(event.in(encoding)));
+            world.hurry(turn, world.publisher().published())
+                    .ifPresent(event -> lines.add(event.in(encoding)));
             next.outbox().begin(lines);
         }
         world.lockStep().changed();
@@ -483,7 +474,8 @@ final class Session {
                 return;
             }
             connection = null;
-            if (welcomed && graceSeconds > 0 && RESUMABLE.contains(why.code())) {
+            if (welcomed && graceSeconds > 0 && RESUMABLE.contains(why.code())
+                    && (token.isPresent() || server.keep(this))) {
                 brokenNanos = System.nanoTime();
                 if (turn != null) {
                     turn.breakOff(brokenNanos);
@@ -525,6 +517,7 @@ final class Session {
             if (welcomed && role == Role.AGENT) {
                 counters.agents.decrement();
             }
+            server.keepNoLonger(this);
             if (inRealTime) {
                 world.lockStep().allowances().addRealTime(-1);
             }

@@ -5,8 +5,9 @@ import java.util.Optional;
 import reve.core.world.ItemDefinition;
 
 /**
- * Which bodies a world grants to agents, none unless the world file says so; how many items their
- * actions may have in it at a time; and how many bytes of events they may raise.
+ * Which bodies a world grants to agents, none unless the world file says so; how many agents may be
+ * in it; how many items their actions may have in it at a time; and how many bytes of events they
+ * may raise.
  *
  * @param bodies names of items that agents may take, in the order in which they are given out
  * @param template what a new body is made of for an agent that gets none of those; whoever takes it
@@ -17,14 +18,18 @@ import reve.core.world.ItemDefinition;
  * @param eventBytes most bytes of events in a second of world time that actions of one agent raise
  * @param worldEventBytes most bytes of events in a second of world time that actions of all agents
  *     raise
+ * @param most most agents, those included whose connection broke and who may come back
  */
 public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template,
-        List<Place> places, int items, int worldItems, int eventBytes, int worldEventBytes) {
+        List<Place> places, int items, int worldItems, int eventBytes, int worldEventBytes,
+        int most) {
 
     /** Most items of one agent's making, unless the world file says otherwise. */
     public static final int DEFAULT_ITEMS = 1000;
     /** Most items of all agents' making, unless the world file says otherwise. */
     public static final int DEFAULT_WORLD_ITEMS = 5000;
+    /** Most agents, unless the world file says otherwise. */
+    public static final int DEFAULT_MOST = 2000;
 
     /** Most bytes of events in a second of one agent's, unless the world file says otherwise. */
     public static final int DEFAULT_EVENT_BYTES = 16 * 1024;
@@ -43,7 +48,7 @@ public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template
     public AgentPolicy(List<String> bodies, Optional<ItemDefinition> template,
             List<Place> places) {
         this(bodies, template, places, DEFAULT_ITEMS, DEFAULT_WORLD_ITEMS, DEFAULT_EVENT_BYTES,
-                DEFAULT_WORLD_EVENT_BYTES);
+                DEFAULT_WORLD_EVENT_BYTES, DEFAULT_MOST);
     }
 
     /** New bodies come to where the template is. */
@@ -59,17 +64,24 @@ public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template
     /** The same with other quotas of items. */
     public AgentPolicy withItems(int ofAgent, int ofWorld) {
         return new AgentPolicy(bodies, template, places, ofAgent, ofWorld, eventBytes,
-                worldEventBytes);
+                worldEventBytes, most);
     }
 
     /** The same with other budgets of events [byte/s]. */
     public AgentPolicy withEvents(int ofAgent, int ofWorld) {
-        return new AgentPolicy(bodies, template, places, items, worldItems, ofAgent, ofWorld);
+        return new AgentPolicy(bodies, template, places, items, worldItems, ofAgent, ofWorld,
+                most);
     }
 
     /** The same without the bodies that are not named. */
     public AgentPolicy withBodies(List<String> remaining) {
         return new AgentPolicy(remaining, template, places, items, worldItems, eventBytes,
-                worldEventBytes);
+                worldEventBytes, most);
+    }
+
+    /** The same with another quota of agents. */
+    public AgentPolicy withMost(int agents) {
+        return new AgentPolicy(bodies, template, places, items, worldItems, eventBytes,
+                worldEventBytes, agents);
     }
 }

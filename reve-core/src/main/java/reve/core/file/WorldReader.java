@@ -175,7 +175,8 @@ final class WorldReader {
                 (int) wholeNumber(Optional.of(node), "eventBytes",
                         AgentPolicy.DEFAULT_EVENT_BYTES),
                 (int) wholeNumber(Optional.of(node), "worldEventBytes",
-                        AgentPolicy.DEFAULT_WORLD_EVENT_BYTES));
+                        AgentPolicy.DEFAULT_WORLD_EVENT_BYTES),
+                (int) wholeNumber(Optional.of(node), "most", AgentPolicy.DEFAULT_MOST));
     }
 
     private List<AgentPolicy.Place> places(Node agents, BodyCheck check) {

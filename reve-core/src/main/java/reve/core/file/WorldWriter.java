@@ -227,6 +227,7 @@ public final class WorldWriter {
         putUnless(tree, "eventBytes", agents.eventBytes(), AgentPolicy.DEFAULT_EVENT_BYTES);
         putUnless(tree, "worldEventBytes", agents.worldEventBytes(),
                 AgentPolicy.DEFAULT_WORLD_EVENT_BYTES);
+        putUnless(tree, "most", agents.most(), AgentPolicy.DEFAULT_MOST);
         return tree;
     }
 

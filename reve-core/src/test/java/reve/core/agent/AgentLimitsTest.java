@@ -366,7 +366,7 @@ class AgentLimitsTest {
         AgentLimits l = c.limits();
         var limits = new AgentLimits(maxConnections, l.helloBytes(), l.lineBytes(),
                 l.messagesPerSecond(), l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
-                l.maxErrors());
+                l.maxErrors(), l.kept());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 }

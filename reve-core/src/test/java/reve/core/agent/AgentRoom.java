@@ -104,7 +104,7 @@ final class AgentRoom implements AutoCloseable {
 
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
-        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8);
+        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16);
         var timeouts = new AgentTimeouts(hello, line, idle, Duration.ofSeconds(10), write,
                 Duration.ofMinutes(5), Duration.ofSeconds(10), CONFIG.timeouts().waiting(),
                 Duration.ofMillis(500));

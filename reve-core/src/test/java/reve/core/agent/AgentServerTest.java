@@ -339,6 +339,27 @@ class AgentServerTest {
     }
 
     @Test
+    void aWorldTakesAsManyAgentsAsItsFileAllowsThoseIncludedWhoMayComeBack() throws IOException {
+        try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG, AgentRoom.making().withMost(2), 64);
+                TestClient bob = hall.join("bob"); TestClient eve = hall.connect();
+                TestClient eye = hall.connect()) {
+            try (TestClient ada = hall.connect()) {
+                ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
+                hall.step();
+                ada.expect("welcome");
+            }
+            eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
+            eve.say("{'t':'hello','protocol':1,'name':'eve'}");
+            hall.stepUntil("eve was refused", eve::hasNews);
+            eve.expectBye("world-full");
+            assertThat(hall.has("ada")).as("it may come back").isTrue();
+            bob.say("{'t':'bye'}").skipToBye("goodbye");
+            hall.step();
+            hall.join("zoe").close();
+        }
+    }
+
+    @Test
     void aMadeBodyGoesWithItsAgentHoweverItLeaves() throws IOException {
         TestClient ada = room.join("ada");
         TestClient bob = room.join("bob");

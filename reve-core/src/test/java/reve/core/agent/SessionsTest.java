@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 import java.io.IOException;
 import java.time.Duration;
 import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -461,6 +462,35 @@ class SessionsTest {
         ada.close();
     }
 
+    @Test
+    void withoutTokensAFewSessionsWaitForTheirClientsAndOthersLeave() throws IOException {
+        int kept = AgentRoom.CONFIG.limits().kept();
+        var tokens = new HashMap<String, String>();
+        for (int i = 0; i < 2 * kept; i++) {
+            breakOff("agent" + i, tokens);
+        }
+        room.stepUntil("half of them have left", () -> bodies(tokens).size() == kept);
+        String name = bodies(tokens).getFirst();
+        try (TestClient back = room.connect()) {
+            back.say(resume(name, tokens.get(name), room.loop.frame())).expect("welcome");
+            breakOff("new", tokens);
+            breakOff("newer", tokens);
+            room.stepUntil("there is room for one", () -> bodies(tokens).size() == kept + 1);
+            assertThat(bodies(tokens)).contains(name);
+        }
+    }
+
+    private List<String> bodies(Map<String, String> tokens) {
+        return tokens.keySet().stream().filter(room::has).toList();
+    }
+
+    /** An agent comes that may come back, and its connection breaks. */
+    private void breakOff(String name, Map<String, String> tokens) throws IOException {
+        TestClient client = room.connect();
+        tokens.put(name, join(client, name, 60));
+        reset(client);
+    }
+
     // ---- helpers ----
 
     /** Something that tells when it is rung. */
@@ -475,8 +505,12 @@ class SessionsTest {
      * @return the token that another connection goes on with
      */
     private String joinAsAda(TestClient client, double graceSeconds) throws IOException {
-        client.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':" + graceSeconds + "}")
-                .sync();
+        return join(client, "ada", graceSeconds);
+    }
+
+    private String join(TestClient client, String name, double graceSeconds) throws IOException {
+        client.say("{'t':'hello','protocol':1,'name':'" + name + "','graceSeconds':" + graceSeconds
+                + "}").sync();
         room.step();
         String token = client.expect("welcome").at("/session/token").stringValue();
         client.expect("event");

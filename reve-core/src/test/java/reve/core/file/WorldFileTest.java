@@ -338,6 +338,7 @@ class WorldFileTest {
                   places: [[0, 1, 2], 10 20 30 cm]
                   items: 3
                   eventBytes: 512
+                  most: 7
                 items: [{name: a}, {name: b}]
                 """).agents();
 
@@ -346,6 +347,7 @@ class WorldFileTest {
         assertThat(agents.worldItems()).isEqualTo(5000);
         assertThat(agents.eventBytes()).isEqualTo(512);
         assertThat(agents.worldEventBytes()).isEqualTo(262_144);
+        assertThat(agents.most()).isEqualTo(7);
         assertThat(agents.places()).containsExactly(
                 new AgentPolicy.Place(0, 1, 2), new AgentPolicy.Place(0.1, 0.2, 0.3));
         ItemDefinition guest = agents.template().orElseThrow().renamed("ada");

@@ -43,7 +43,7 @@ class WorldWriterTest {
                 constants: {gravity: [0, -9.81, 0], softening: 0}
                 camera: {eye: [0, 1, 4], target: [0, 0, 0], fov: 90 deg}
                 agents: {bodies: [a], body: {physical: {shape: sphere, radius: 1 cm}}, items: 1000,
-                  worldItems: 7, eventBytes: 512, worldEventBytes: 1024}
+                  worldItems: 7, eventBytes: 512, worldEventBytes: 1024, most: 12}
                 prefabs: {p: {physics: {mass: 2 g, cell: [1, -2]}}}
                 items:
                   - {name: a, like: p}
@@ -75,6 +75,7 @@ class WorldWriterTest {
                   worldItems: 7
                   eventBytes: 512
                   worldEventBytes: 1024
+                  most: 12
                 items:
                   - name: a
                     physics: {mass: 0.002, cell: [1, -2]}
