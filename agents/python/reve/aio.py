@@ -170,8 +170,8 @@ class Client:
 
     @property
     def missed_events(self) -> int:
-        """How many events the server did not send, as we read too slowly. At least: of what happened
-        while a connection was broken it may not know how many, and counts one.
+        """How many events the server did not send, as we read too slowly. At least: of what
+        happened while a connection was broken it may not know how many, and counts one.
         """
         return self._talk.missed_events
 

@@ -96,7 +96,8 @@ final class Changes {
     void make() {
         call.events().take(call.quota().agent(), call.frame(), eventBytes);
         if (!created.isEmpty()) {
-            call.world().addAll(created, call.quota().agent());
+            call.world().addAll(created, call.quota().agent())
+                    .forEach(item -> call.world().arrests().suspect(item.id()));
         }
         all.forEach(Runnable::run);
         last.forEach(Runnable::run);
@@ -144,7 +145,7 @@ final class Changes {
         Forces forces = call.world().forces();
         var added = new Forces.Force(item.id(), List.of(force[0], force[1], force[2]),
                 forces.frames(effect.seconds()));
-        return () -> forces.add(added);
+        return suspect(item, () -> forces.add(added));
     }
 
     private Runnable property(Item item, Effect.SetProperty effect) throws ActionRefused {
@@ -161,8 +162,9 @@ final class Changes {
     private Runnable location(Item item, Effect.SetLocation effect) throws ActionRefused {
         requireBody(item);
         double[] to = numbers(effect.to(), 3, Effect.SetLocation.UNIT);
-        requireFits(item.name(), call.world().table(item.kind()).column("position").descriptor(), to);
-        return () -> item.physical().setLocation(to[0], to[1], to[2]);
+        requireFits(item.name(),
+                call.world().table(item.kind()).column("position").descriptor(), to);
+        return suspect(item, () -> item.physical().setLocation(to[0], to[1], to[2]));
     }
 
     private Runnable orientation(Item item, Effect.SetOrientation effect) throws ActionRefused {
@@ -251,7 +253,15 @@ final class Changes {
     private Runnable setting(Item item, String property, double[] values) throws ActionRefused {
         requireFits(item.name(), column(item, property), values);
         planned.computeIfAbsent(item.id(), id -> new HashMap<>()).put(property, values);
-        return () -> item.physics().set(property, values);
+        return suspect(item, () -> item.physics().set(property, values));
+    }
+
+    /** A law that fails at the item from now on may do so because of the change. */
+    private Runnable suspect(Item item, Runnable change) {
+        return () -> {
+            change.run();
+            call.world().arrests().suspect(item.id());
+        };
     }
 
     /** What a property will be after the effects so far. */

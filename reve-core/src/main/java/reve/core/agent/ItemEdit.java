@@ -29,7 +29,7 @@ final class ItemEdit {
         }
         try {
             switch (path[0]) {
-                case "physical" -> setPhysical(item, path[1], edit.value());
+                case "physical" -> setPhysical(world, item, path[1], edit.value());
                 case "physics" -> setPhysics(world, item, path[1],
                         numbers(item, edit.property(), edit.value()));
                 case "semantic" -> setSymbol(item, path[1], edit.value());
@@ -49,6 +49,7 @@ final class ItemEdit {
             throw outOfRange(item, "physics." + property, values, why.get());
         }
         item.physics().set(property, values); // which refuses the rest
+        world.arrests().suspect(item.id());
     }
 
     private static ActionRefused outOfRange(Item item, String property, double[] values,
@@ -67,11 +68,13 @@ final class ItemEdit {
         item.semantic().set(symbol, value);
     }
 
-    private static void setPhysical(Item item, String property, Object value) throws ActionRefused {
+    private static void setPhysical(World world, Item item, String property, Object value)
+            throws ActionRefused {
         switch (property) {
             case "location" -> {
                 double[] at = numbers(item, property, value, 3);
                 item.physical().setLocation(at[0], at[1], at[2]);
+                world.arrests().suspect(item.id());
             }
             case "orientation" -> {
                 double[] turn = numbers(item, property, value, 4);

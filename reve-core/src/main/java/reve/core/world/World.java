@@ -32,6 +32,7 @@ public final class World {
     private final Hierarchy hierarchy;
     private final References references;
     private final Forces forces;
+    private final Arrests arrests;
     private final Relations relations;
     private final Space space;
     private long boundsVersion;
@@ -56,6 +57,7 @@ public final class World {
         hierarchy = new Hierarchy(table(WorldPrototype.BODY));
         references = new References(tables, register);
         forces = new Forces(this);
+        arrests = new Arrests(this);
         space = spaceOf(table(WorldPrototype.BODY));
         relations = new Relations(table(WorldPrototype.BODY), space, id -> item(id).name());
         var constants = ItemDefinition.named(WorldPrototype.WORLD).kind(WorldPrototype.WORLD);
@@ -431,6 +433,11 @@ public final class World {
     /** Forces on bodies that last for some frames. */
     public Forces forces() {
         return forces;
+    }
+
+    /** Items that laws may fail at because of what actions and edits did to them. */
+    public Arrests arrests() {
+        return arrests;
     }
 
     /**

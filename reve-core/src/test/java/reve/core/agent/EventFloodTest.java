@@ -157,7 +157,8 @@ class EventFloodTest {
     @Test
     void clientsThatComeAndGoAllTheTimeCutNobodyEither() throws IOException {
         try (TestClient slow = new TestClient(room.server.address(), 4096)) {
-            slow.say("{'t':'hello','protocol':1,'name':'slow','role':'observer'}").expect("welcome");
+            slow.say("{'t':'hello','protocol':1,'name':'slow','role':'observer'}")
+                    .expect("welcome");
             String longName = "n".repeat(60);
             for (int i = 0; i < 1500; i++) {
                 try (TestClient guest = room.connect()) {

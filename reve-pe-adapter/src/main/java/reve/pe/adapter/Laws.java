@@ -163,6 +163,8 @@ public final class Laws {
                 unload(frame, idAt(failed.place()));
                 quarantined.put(failed.reason().sha256(), failed.reason());
             }
+            case LawChange.Arrested arrested ->
+                world.find(arrested.item()).ifPresent(world.arrests()::arrest);
         }
     }
 
@@ -218,11 +220,26 @@ public final class Laws {
             failure.status(), String.valueOf(failure.getMessage()));
         quarantined.put(library.sha256(), reason);
         tell(new LawChange.Failed(drop(failure.libraryId()), reason));
+        addPlace(fields, failure);
+        item.ifPresent(i -> fields.put("item", i.name()));
+        reportFault(frame, fields, failure);
+    }
+
+    /** Tells that an item was arrested because a law failed; the law stays. */
+    void arrested(long frame, Item item, PhysicsException failure) {
+        tell(new LawChange.Arrested(item.id()));
+        LawLibrary library = loaded.get(failure.libraryId());
+        Map<String, Object> fields = fields(library.name(), library.sha256());
+        addPlace(fields, failure);
+        fields.put("item", item.name());
+        fields.put("arrested", true);
+        reportFault(frame, fields, failure);
+    }
+
+    private static void addPlace(Map<String, Object> fields, PhysicsException failure) {
         fields.put("law", failure.law());
         fields.put("property", failure.property());
         failure.row().ifPresent(row -> fields.put("row", row));
-        item.ifPresent(i -> fields.put("item", i.name()));
-        reportFault(frame, fields, failure);
     }
 
     /** Tells that the engine refused something or a law failed. */

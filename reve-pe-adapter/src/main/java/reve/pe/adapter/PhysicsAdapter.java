@@ -1,5 +1,8 @@
 package reve.pe.adapter;
 
+import java.util.ArrayList;
+import java.util.Collections;
+import java.util.Comparator;
 import java.util.HashSet;
 import java.util.List;
 import java.util.Optional;
@@ -27,16 +30,24 @@ import reve.pe.PropertyUse;
  * on the world is, to the bit, one that runs without that law. A failure that no loaded law is to
  * blame for is thrown after the columns were put back: that frame has no physics.
  *
+ * <p>Before a law is blamed, items are that actions and edits changed: the one at which the law
+ * failed, else the one with the most extreme numbers, then all of them. Where the frame succeeds
+ * without them they stay arrested, which is told as a "fault" event; else they are as they were.
+ *
  * <p>World's thread only. The engine and the arena belong to the caller, outlive the adapter, and
  * the engine is used for nothing else meanwhile.
  */
 public final class PhysicsAdapter implements FrameListener, AutoCloseable {
+    /** Bounds how often a frame is redone. */
+    private static final int MOST_ARRESTS_ONE_BY_ONE = 2;
+
     private final World world;
     private final PhysicsEngine engine;
     private final LentWorld lent;
     private final Laws laws;
     private final RollbackCopy rollback = new RollbackCopy();
     private final Set<String> accumulators = new HashSet<>();
+    private final List<Arrested> arrests = new ArrayList<>();
     private long keptLayout = -1;
     private long keptLaws = -1;
     /** What the world's thread does in the engine, for people. */
@@ -46,6 +57,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
     private long bindNanoseconds;
     private long copyNanoseconds;
     private long advanceNanoseconds;
+
+    /** An item without which the frame is tried. */
+    private record Arrested(Item item, PhysicsException failure, Runnable release) {
+    }
 
     /**
      * Lends the world's columns to the engine.
@@ -86,6 +101,8 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         while (!advanced(frame)) {
             redoneFrames++;
         }
+        arrests.forEach(one -> laws.arrested(frame.frame(), one.item, one.failure));
+        arrests.clear();
         advanceNanoseconds += System.nanoTime() - copied;
         frames++;
     }
@@ -144,13 +161,44 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
             engine.advance(frame.dtSeconds(), frame.steps());
             return true;
         } catch (PhysicsException failure) {
+            List<Arrested> tried = List.copyOf(arrests);
+            tried.forEach(one -> one.release.run());
+            arrests.clear();
             rollback.restore();
             engine.clearFault();
-            laws.quarantine(frame.frame(), failure, itemOf(failure));
+            if (!arrestFor(failure, tried)) {
+                laws.quarantine(frame.frame(), failure, itemOf(failure));
+            }
             return false;
         } finally {
             world.activity().end();
         }
+    }
+
+    /**
+     * Arrests those that were arrested before and one more, or all that may be to blame.
+     *
+     * @return false if none is left, or no law is to blame
+     */
+    private boolean arrestFor(PhysicsException failure, List<Arrested> tried) {
+        Optional<Item> failed = itemOf(failure);
+        List<Item> suspects = new ArrayList<>(world.arrests().suspects(failed));
+        suspects.removeAll(tried.stream().map(Arrested::item).toList());
+        if (suspects.isEmpty() || !laws.isLoaded(failure.libraryId())) {
+            return false;
+        }
+        if (tried.size() < MOST_ARRESTS_ONE_BY_ONE) {
+            suspects = List.of(failed.filter(suspects::contains)
+                .orElse(Collections.max(suspects,
+                    Comparator.comparingDouble(world.arrests()::excess))));
+        }
+        tried.forEach(one -> arrest(one.item, one.failure));
+        suspects.forEach(item -> arrest(item, failure));
+        return true;
+    }
+
+    private void arrest(Item item, PhysicsException failure) {
+        arrests.add(new Arrested(item, failure, world.arrests().arrest(item)));
     }
 
     private Optional<Item> itemOf(PhysicsException failure) {

@@ -35,6 +35,28 @@ class RollbackNativeTest {
         }
     }
 
+    /** A law with an error of its own is to blame, whatever acts and edits changed. */
+    @ParameterizedTest
+    @ValueSource(strings = {"red", "blue"})
+    void aLawThatFailsWithoutASuspectTooLeavesAWorldThatNeverHadIt(String changed) {
+        try (AdapterFixture clean = AdapterFixture.springOrbit();
+             AdapterFixture spoilt = AdapterFixture.springOrbit()) {
+            for (String name : new String[] {"red", changed}) {
+                spoilt.world.arrests().suspect(spoilt.world.find(name).orElseThrow().id());
+            }
+            spoilt.adapter.laws().load(0, "writes_nan", badFrom(BAD_STEP));
+            for (int frame = 0; frame < 20; frame++) {
+                clean.run(1);
+                spoilt.run(1);
+                assertThat(spoilt.bytes()).isEqualTo(clean.bytes());
+                assertThat(spoilt.adapter.stateHash()).isEqualTo(clean.adapter.stateHash());
+            }
+            assertThat(spoilt.events("fault")).singleElement().satisfies(fault ->
+                assertThat(fault.fields()).containsEntry("library", "writes_nan")
+                    .doesNotContainKey("arrested"));
+        }
+    }
+
     @Test
     void theFaultNamesFrameLibraryLawPropertyAndItem() {
         try (AdapterFixture spoilt = AdapterFixture.springOrbit()) {

@@ -12,6 +12,7 @@ import org.jspecify.annotations.Nullable;
 import reve.core.store.ChangeCodec;
 import reve.core.store.CorruptException;
 import reve.core.store.Trees;
+import reve.core.world.ItemId;
 import reve.core.world.WorldEvent;
 import reve.pe.adapter.LawChange;
 import tools.jackson.databind.JsonNode;
@@ -86,6 +87,7 @@ public final class FrameCodec {
         frame.path("laws").forEach(change -> laws.add(switch (Trees.text(change, "law")) {
             case "loaded" -> new LawChange.Loaded(ImageCodec.library(change, libraries));
             case "unloaded" -> new LawChange.Unloaded((int) Trees.integer(change, "place"));
+            case "arrested" -> new LawChange.Arrested(new ItemId(Trees.integer(change, "item")));
             default -> new LawChange.Failed((int) Trees.integer(change, "place"),
                     ImageCodec.quarantined(change));
         }));
@@ -111,6 +113,10 @@ public final class FrameCodec {
                 tree.put("law", "failed");
                 tree.put("place", failed.place());
                 tree.putAll(ImageCodec.tree(failed.reason()));
+            }
+            case LawChange.Arrested arrested -> {
+                tree.put("law", "arrested");
+                tree.put("item", arrested.item().value());
             }
         }
         return tree;

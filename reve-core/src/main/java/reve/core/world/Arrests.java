@@ -1,0 +1,112 @@
+package reve.core.world;
+
+import java.util.ArrayList;
+import java.util.List;
+import java.util.Map;
+import java.util.Optional;
+import java.util.TreeSet;
+
+/**
+ * Items that laws may fail at because of what actions and edits did to them, and how such an item
+ * is taken out of the reach of laws. World's thread.
+ */
+public final class Arrests {
+    /** What laws know an item by; the numbers of an arrested item are 0. */
+    private static final Map<String, List<String>> NUMBERS = Map.of(
+            WorldPrototype.BODY, List.of("mass", "velocity", "angularVelocity", "inertia",
+                    "charge", "radius", "dragCoefficient", "linearDragCoefficient"),
+            WorldPrototype.SPRING, List.of("springConstant", "dampingConstant"),
+            WorldPrototype.SURFACE, List.of("hardness", "surfaceDamping", "frictionCoefficient"));
+
+    /** Magnitudes above this are extreme, in SI units; no body of a world that works has them. */
+    private static final double EXTREME = 1e15;
+
+    private final World world;
+    /** Of which actions or edits changed physics or place. */
+    private final TreeSet<ItemId> changed = new TreeSet<>();
+
+    Arrests(World world) {
+        this.world = world;
+    }
+
+    /** An action or an edit changes the physics or the place of an item. */
+    public void suspect(ItemId item) {
+        world.guard().requireEditable();
+        changed.add(item);
+    }
+
+    /**
+     * Items with physics whose physics or place actions or edits changed since the world was built
+     * or resumed, without those that are arrested; in the order of their ids.
+     *
+     * @param failed at which a law failed: if it has extreme numbers it is a suspect, too, as items
+     *     that were changed may have pushed it; it is the last then
+     */
+    public List<Item> suspects(Optional<Item> failed) {
+        world.guard().checkOwner();
+        if (changed.isEmpty()) {
+            return List.of();
+        }
+        var suspects = new ArrayList<Item>();
+        changed.removeIf(id -> world.findItem(id) == null);
+        changed.stream().flatMap(id -> world.find(id).stream())
+                .filter(item -> excess(item) > 0).forEach(suspects::add);
+        failed.filter(item -> excess(item) > EXTREME && !suspects.contains(item))
+                .ifPresent(suspects::add);
+        return suspects;
+    }
+
+    /** The largest magnitude among an item's numbers, and of the inverse of its mass. */
+    public double excess(Item item) {
+        double most = 0;
+        if (item.physics().isEmpty()) {
+            return most;
+        }
+        for (Column column : columns(item)) {
+            for (int i = 0; i < column.components(); i++) {
+                double value = Math.abs(column.getDouble(item.checkedRow(), i));
+                most = Math.max(most, value);
+                if (value > 0 && column.name().equals(PhysicsAspect.MASS)) {
+                    most = Math.max(most, 1 / value);
+                }
+            }
+        }
+        return most;
+    }
+
+    /**
+     * Takes an item with physics out of the reach of laws: it is at rest, immovable, and exerts
+     * nothing; extreme coordinates become 0, as distances to it would be no numbers. The change is
+     * not noted, as those of laws.
+     *
+     * @return puts the numbers back as they were; in the same frame only
+     */
+    public Runnable arrest(Item item) {
+        world.guard().requireEditable();
+        var before = new ArrayList<Runnable>();
+        for (Column column : columns(item)) {
+            before.add(replace(column, item.checkedRow(), 0));
+        }
+        if (item.kind().equals(WorldPrototype.BODY)) {
+            before.add(replace(item.table().column("position"), item.checkedRow(), EXTREME));
+        }
+        return () -> before.forEach(Runnable::run);
+    }
+
+    /** Makes what is larger 0. */
+    private static Runnable replace(Column column, int row, double largest) {
+        double[] before = new double[column.components()];
+        double[] after = new double[before.length];
+        for (int i = 0; i < before.length; i++) {
+            before[i] = column.getDouble(row, i);
+            after[i] = Math.abs(before[i]) > largest ? 0 : before[i];
+        }
+        column.write(row, after);
+        return () -> column.write(row, before);
+    }
+
+    private static List<Column> columns(Item item) {
+        return NUMBERS.getOrDefault(item.kind(), List.of()).stream()
+                .map(item.table()::physicsColumn).toList();
+    }
+}
