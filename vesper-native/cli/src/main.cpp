@@ -1,6 +1,10 @@
 // vesper: the engine on the command line.
 #include <CLI/CLI.hpp>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <iostream>
+#include <string>
 
 #include "exit_code.hpp"
 #include "folders.hpp"
@@ -85,6 +89,20 @@ void AddNewLaw(CLI::App& app, int& code) {
   command->callback([options, &code] { code = WriteNewLaw(*options); });
 }
 
+/// The exit code of a command that has printed its results: another one if they are lost.
+int CodeAfterPrinting(int code) {
+  errno = 0;
+  std::cout.flush();
+  const bool printed = std::fflush(stdout) == 0 && std::cout.good();
+  if (printed) {
+    return code;
+  }
+  std::cerr << "vesper: standard output could not be written"
+            << (errno == 0 ? "" : std::string(": ") + std::strerror(errno))
+            << "; results are lost\n";
+  return code == kDone ? kFailed : code;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -100,10 +118,10 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? kDone : kWrongUsage;
+    return CodeAfterPrinting(app.exit(error) == 0 ? kDone : kWrongUsage);
   } catch (const std::exception& error) {
     std::cerr << "vesper: " << error.what() << "\n";
     return kFailed;
   }
-  return code;
+  return CodeAfterPrinting(code);
 }

@@ -73,6 +73,15 @@ class OutputIT {
     }
 
     @Test
+    void theCommandOfTheEngineSaysSoToo() throws Exception {
+        Outcome outcome = Reve.run(List.of("bash", "-c", "\"$1\" laws > /dev/full", "bash",
+                Project.NATIVE.resolve("vesper").toString()));
+        assertThat(outcome.code()).isEqualTo(1);
+        assertThat(outcome.err()).contains("vesper: standard output could not be written")
+                .contains("results are lost");
+    }
+
+    @Test
     void aServerGoesOnWhenTheReaderOfItsEventsHasGone() throws Exception {
         try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json")) {
             int port = Integer.parseInt(server.port());
