@@ -4,6 +4,7 @@ import java.io.FileDescriptor;
 import java.io.FileOutputStream;
 import java.io.OutputStream;
 import java.io.PrintWriter;
+import java.nio.file.Path;
 import java.util.List;
 import java.util.stream.Stream;
 import picocli.CommandLine;
@@ -12,6 +13,7 @@ import picocli.CommandLine.IVersionProvider;
 import picocli.CommandLine.Model.UsageMessageSpec;
 import picocli.CommandLine.ParameterException;
 import picocli.CommandLine.ScopeType;
+import picocli.CommandLine.TypeConversionException;
 import picocli.CommandLine.UnmatchedArgumentException;
 import reve.pe.PhysicsException;
 import reve.worlds.cli.CheckCommand;
@@ -56,7 +58,6 @@ import reve.worlds.cli.TokenCommand;
             "137 out of memory, 141 the reader of standard output has gone.",
         })
 public final class Main {
-    private static final String CHECKOUT = "./reve";
 
     /** The commands that the shell script of a checkout runs itself. */
     private static final List<String> LAUNCHER = List.of(
@@ -88,15 +89,16 @@ public final class Main {
 
     private static int run(OutputStream stream, String... arguments) {
         CommandLine line = new CommandLine(new Main());
-        String name = System.getProperty("reve.name", CHECKOUT);
+        String name = Product.command();
         line.setCommandName(name);
         LinePrinter out = new LinePrinter(stream);
         line.setOut(out);
         line.setErr(new LinePrinter(System.err));
         UsageMessageSpec usage = line.getCommandSpec().usageMessage();
-        List<String> launcher = name.equals(CHECKOUT) ? LAUNCHER : INSTALLED;
+        List<String> launcher = name.equals(Product.CHECKOUT_COMMAND) ? LAUNCHER : INSTALLED;
         usage.footer(Stream.concat(launcher.stream(), Stream.of(usage.footer()))
                 .toArray(String[]::new));
+        line.registerConverter(Path.class, Main::path);
         line.setParameterExceptionHandler(Main::explainUsage);
         line.setExecutionExceptionHandler(Main::explain);
         line.setCaseInsensitiveEnumValuesAllowed(true);
@@ -105,6 +107,14 @@ public final class Main {
             return ExitCode.USAGE;
         }
         return out.codeAfter(line.execute(arguments), line.getErr());
+    }
+
+    /** An empty text, as of an unset variable, would mean the folder that the shell is in. */
+    private static Path path(String given) {
+        if (given.isEmpty()) {
+            throw new TypeConversionException("expected a file or a folder, found nothing");
+        }
+        return Path.of(given);
     }
 
     /** What is wrong, and where to read what is right: all of it would hide the former. */

@@ -6,7 +6,15 @@ import java.nio.file.Path;
 public final class Product {
     public static final String VERSION = "0.1.0";
 
+    /** How a checkout is called. */
+    public static final String CHECKOUT_COMMAND = "./reve";
+
     private Product() {}
+
+    /** What the user calls it, for messages; the launcher says. */
+    public static String command() {
+        return System.getProperty("reve.name", CHECKOUT_COMMAND);
+    }
 
     /** Folder of libvesper.so, its programs, and {@code laws/}; the launcher names it. */
     public static Path nativeFolder() {

@@ -8,6 +8,8 @@ import java.nio.file.Path;
 import java.nio.file.attribute.PosixFilePermissions;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.regex.Pattern;
+import java.util.stream.Stream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
 import org.junit.jupiter.api.io.TempDir;
@@ -59,6 +61,8 @@ class InstallIT {
                 "--store", home.resolve("backup/world.db").toString());
         assertThat(restored.out()).as(restored.err()).contains("\"stateHash\":\"" + hash + "\"");
         refusesWhatNeedsACheckout();
+        namesItselfAsItIsCalled();
+        linksOfItsPagesLeadSomewhere();
         refusesToOverwrite();
         namesWhatIsMissing();
     }
@@ -97,6 +101,27 @@ class InstallIT {
         }
         assertThat(run("--help").out()).startsWith("Usage: reve ").contains("doctor")
                 .doesNotContain("install ");
+    }
+
+    private void namesItselfAsItIsCalled() throws Exception {
+        Outcome refused = run("serve", installed.resolve("worlds/spring-orbit").toString(),
+                "--listen", "0.0.0.0");
+        assertThat(refused.err()).contains("\n    reve token new NAME").doesNotContain("./reve");
+    }
+
+    private void linksOfItsPagesLeadSomewhere() throws IOException {
+        Pattern link = Pattern.compile("]\\(([^)#:\\s]+)[)#]");
+        List<Path> pages = new ArrayList<>(List.of(installed.resolve("README.md")));
+        for (String folderOfPages : List.of("docs", "worlds")) {
+            try (Stream<Path> files = Files.walk(installed.resolve(folderOfPages))) {
+                files.filter(file -> file.toString().endsWith(".md")).forEach(pages::add);
+            }
+        }
+        for (Path page : pages) {
+            assertThat(link.matcher(Files.readString(page)).results()
+                    .map(found -> page.resolveSibling(found.group(1))))
+                    .as(page.toString()).allMatch(Files::exists);
+        }
     }
 
     private void refusesToOverwrite() throws Exception {

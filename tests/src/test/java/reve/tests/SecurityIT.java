@@ -106,7 +106,7 @@ class SecurityIT {
         Outcome missing =
                 Reve.run("serve", world, "--tokens", folder.resolve("none.json").toString());
         assertThat(missing.code()).isEqualTo(1);
-        assertThat(missing.err()).contains("none.json", "./reve token new");
+        assertThat(missing.err()).contains("none.json", "`token new NAME");
         Outcome unknown = Reve.run("token", "revoke", "ada", "--file",
                 folder.resolve("none.json").toString());
         assertThat(unknown.code()).isEqualTo(1);

@@ -5,10 +5,7 @@ import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
-import java.nio.file.AccessDeniedException;
-import java.nio.file.FileSystemException;
 import java.nio.file.Files;
-import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.security.MessageDigest;
 import java.security.NoSuchAlgorithmException;
@@ -22,6 +19,7 @@ import java.util.function.LongSupplier;
 import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
 import reve.core.disk.OwnedFile;
+import reve.core.disk.Reason;
 import reve.core.text.Visible;
 import tools.jackson.databind.node.ObjectNode;
 
@@ -74,7 +72,7 @@ final class AuditLog implements Closeable {
             out = open();
         } catch (IOException e) {
             throw new IOException(
-                    "the audit record " + file + " could not be opened: " + reason(e), e);
+                    "the audit record " + file + " could not be opened: " + Reason.of(e), e);
         }
     }
 
@@ -95,16 +93,6 @@ final class AuditLog implements Closeable {
             long end = in.size();
             return end == 0 || in.read(last, end - 1) < 1 || last.get(0) == '\n';
         }
-    }
-
-    private static String reason(IOException e) {
-        return switch (e) {
-            case NoSuchFileException gone ->
-                    "there is no folder " + Path.of(gone.getFile()).toAbsolutePath().getParent();
-            case AccessDeniedException denied -> "permission denied";
-            case FileSystemException other when other.getReason() != null -> other.getReason();
-            default -> String.valueOf(e.getMessage());
-        };
     }
 
     /**
@@ -193,7 +181,7 @@ final class AuditLog implements Closeable {
         try {
             out = open();
         } catch (IOException e) {
-            failure = reason(e);
+            failure = Reason.of(e);
             return false;
         }
         failure = null;
@@ -230,7 +218,7 @@ final class AuditLog implements Closeable {
         if (missing == 0) {
             missingSince = clock.instant();
         }
-        failure = reason(e);
+        failure = Reason.of(e);
         triedNanos = nanos.getAsLong();
     }
 
@@ -273,7 +261,7 @@ final class AuditLog implements Closeable {
 
     private void rotationFailed(IOException e) {
         fullSize = size + plan.maxBytes();
-        rotationFailure = "the audit record " + file + " cannot be rotated: " + reason(e)
+        rotationFailure = "the audit record " + file + " cannot be rotated: " + Reason.of(e)
                 + "; it grows beyond " + plan.maxBytes() + " bytes";
     }
 

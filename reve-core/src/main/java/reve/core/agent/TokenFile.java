@@ -151,7 +151,7 @@ public final class TokenFile {
             version = FileVersion.of(path);
         } catch (NoSuchFileException e) {
             throw new NoSuchFileException("there is no file of tokens " + path
-                    + "; `./reve token new NAME --file " + path + "` makes one");
+                    + "; the command `token new NAME --file " + path + "` makes one");
         }
         if (version.isFolder()) {
             throw new FileSystemException(path + " is a folder, expected a file of tokens");

@@ -95,7 +95,7 @@ class TokensTest {
     @Test
     void aMissingFileIsNamedWithTheCommandThatMakesIt() {
         assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(NoSuchFileException.class)
-                .hasMessageContaining("./reve token new NAME --file " + file);
+                .hasMessageContaining("the command `token new NAME --file " + file);
     }
 
     @Test

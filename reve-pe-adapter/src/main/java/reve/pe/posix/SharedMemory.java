@@ -14,6 +14,7 @@ public final class SharedMemory implements AutoCloseable {
     private static final int ENOMEM = 12;
     private static final int ENFILE = 23;
     private static final int EMFILE = 24;
+    private static final int EFBIG = 27;
 
     private final Arena arena = Arena.ofShared();
     private final int descriptor;
@@ -85,6 +86,7 @@ public final class SharedMemory implements AutoCloseable {
         String advice = switch (errno) {
             case EMFILE -> "; raise the limit of open files of the process (ulimit -n)";
             case ENFILE -> "; raise the limit of open files of the system (fs.file-max)";
+            case EFBIG -> "; raise the limit of the size of files (ulimit -f)";
             case ENOMEM -> "; make the world smaller, or give the process more memory";
             default -> "";
         };

@@ -20,15 +20,15 @@ final class AuditOptions {
                     + "message.")
     private Optional<Path> file = Optional.empty();
 
-    @Option(names = "--audit-size", paramLabel = "MIB", defaultValue = "64",
+    @Option(names = "--audit-size", paramLabel = "MIB",
             description = "Size at which the audit file becomes FILE.1 and a new one begins [MiB] "
-                    + "(default: ${DEFAULT-VALUE}).")
-    private int size;
+                    + "(default: " + AuditPlan.DEFAULT_BYTES / MEBIBYTE + ").")
+    private Optional<Integer> size = Optional.empty();
 
-    @Option(names = "--audit-keep", paramLabel = "N", defaultValue = "8",
+    @Option(names = "--audit-keep", paramLabel = "N",
             description = "Older audit files that are kept, FILE.1 to FILE.N "
-                    + "(default: ${DEFAULT-VALUE}).")
-    private int keep;
+                    + "(default: " + AuditPlan.DEFAULT_KEEP + ").")
+    private Optional<Integer> keep = Optional.empty();
 
     @Option(names = "--audit-required",
             description = "Disconnect clients while the audit file cannot be written, instead of "
@@ -41,14 +41,11 @@ final class AuditOptions {
 
     /** @throws ParameterException if the options do not fit together */
     Optional<AuditPlan> plan() {
-        if (size < 1 || keep < 1) {
-            throw new ParameterException(spec.commandLine(), "--audit-size is " + size
-                    + " and --audit-keep is " + keep + ", expected 1 or more for each");
-        }
-        if (required && file.isEmpty()) {
-            throw new ParameterException(spec.commandLine(),
-                    "--audit-required takes --audit FILE; found none");
-        }
-        return file.map(path -> new AuditPlan(path, size * MEBIBYTE, keep, required));
+        PartnerOption.requireCount(spec, "--audit-size", size, "--audit FILE", file);
+        PartnerOption.requireCount(spec, "--audit-keep", keep, "--audit FILE", file);
+        PartnerOption.require(spec, "--audit-required", required, "--audit FILE", file);
+        long bytes = size.map(each -> each * MEBIBYTE).orElse(AuditPlan.DEFAULT_BYTES);
+        return file.map(path -> new AuditPlan(path, bytes,
+                keep.orElse(AuditPlan.DEFAULT_KEEP), required));
     }
 }

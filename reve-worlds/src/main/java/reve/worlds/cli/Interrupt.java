@@ -2,12 +2,14 @@ package reve.worlds.cli;
 
 import java.util.concurrent.CountDownLatch;
 import java.util.concurrent.TimeUnit;
+import org.jspecify.annotations.Nullable;
 import picocli.CommandLine.Model.CommandSpec;
 
 /**
  * What Ctrl-C and SIGTERM do to a command that runs for long: it is asked to stop, reports as
- * usual, and the process exits with the code of its report. Open around the run and its report;
- * close is called by the command's own thread when the report is out.
+ * usual, and the process exits with the code of its report. While it still starts, the process
+ * exits at once. Open around the command; close is called by the command's own thread when the
+ * report is out.
  */
 final class Interrupt implements AutoCloseable {
     private static final long PATIENCE_SECONDS = 10;
@@ -15,13 +17,18 @@ final class Interrupt implements AutoCloseable {
     private final CountDownLatch reported = new CountDownLatch(1);
     private final Thread hook;
     private final CommandSpec spec;
+    private volatile @Nullable Runnable stop;
     private volatile int code = ExitCode.FAILURE;
 
-    /** @param stop asks the command to end soon; called on another thread */
-    Interrupt(CommandSpec spec, Runnable stop) {
+    Interrupt(CommandSpec spec) {
         this.spec = spec;
-        hook = new Thread(() -> endWith(stop), "interrupt");
+        hook = new Thread(this::end, "interrupt");
         Runtime.getRuntime().addShutdownHook(hook);
+    }
+
+    /** @param asks the command to end soon, from now on; called on another thread */
+    void stopWith(Runnable asks) {
+        stop = asks;
     }
 
     /** Returns the exit code of the command, which holds for an interrupted one, too. */
@@ -31,8 +38,13 @@ final class Interrupt implements AutoCloseable {
         return code;
     }
 
-    private void endWith(Runnable stop) {
-        stop.run();
+    private void end() {
+        Runnable asks = stop;
+        if (asks == null) {
+            Runtime.getRuntime().halt(ExitCode.OK); // no frame has been made
+            return;
+        }
+        asks.run();
         try {
             if (!reported.await(PATIENCE_SECONDS, TimeUnit.SECONDS)) {
                 System.err.println("reve: asked to stop " + PATIENCE_SECONDS

@@ -13,6 +13,7 @@ import reve.core.agent.AgentSecurity;
 import reve.core.agent.AgentServerConfig;
 import reve.core.agent.ServerTls;
 import reve.core.agent.TokenFile;
+import reve.worlds.Product;
 
 /** Where agents find a server, and how they and it know each other. */
 final class ListenOptions {
@@ -34,7 +35,7 @@ final class ListenOptions {
     private String address = "";
 
     @Option(names = "--tokens", paramLabel = "FILE",
-            description = "Let nobody in without a token of this file, see `./reve token`.")
+            description = "Let nobody in without a token of this file, see `token --help`.")
     private Optional<Path> tokens = Optional.empty();
 
     @Option(names = "--tls-certificate", paramLabel = "FILE",
@@ -86,7 +87,8 @@ final class ListenOptions {
         var how = new StringBuilder("--listen " + address
                 + ": other machines reach it, so agents take tokens and TLS there. Run");
         if (tokens.isEmpty()) {
-            how.append("\n  ./reve token new NAME --file tokens.json");
+            how.append("\n  ").append(Product.command())
+                    .append(" token new NAME --file tokens.json");
         }
         if (certificate.isEmpty()) {
             how.append("\n  openssl req -x509 -nodes -newkey ec")

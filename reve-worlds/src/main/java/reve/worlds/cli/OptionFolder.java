@@ -5,6 +5,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.ParameterException;
+import reve.core.disk.Reason;
 
 /** A folder that an option names. */
 final class OptionFolder {
@@ -15,7 +16,7 @@ final class OptionFolder {
      *
      * @throws ParameterException if it is something else, or would be in no folder
      */
-    static void make(CommandSpec spec, String option, Path given) throws IOException {
+    static void make(CommandSpec spec, String option, Path given) {
         Path folder = given.toAbsolutePath().normalize();
         if (Files.isDirectory(folder)) {
             return;
@@ -27,7 +28,11 @@ final class OptionFolder {
             throw refused(spec, option, given,
                     "there is no folder " + folder.getParent() + "; make it first");
         }
-        Files.createDirectory(folder);
+        try {
+            Files.createDirectory(folder);
+        } catch (IOException e) {
+            throw refused(spec, option, given, "it cannot be made: " + Reason.of(e));
+        }
     }
 
     private static ParameterException refused(CommandSpec spec, String option, Path given,

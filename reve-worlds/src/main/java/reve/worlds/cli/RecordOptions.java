@@ -16,8 +16,8 @@ final class RecordOptions {
     private CommandSpec spec = CommandSpec.create();
 
     @Option(names = "--record", paramLabel = "FILE",
-            description = "Record the run, for ./reve replay. A recording that FILE holds becomes "
-                    + "FILE.1. Of several worlds: a folder, in which each has WORLD.log.")
+            description = "Record the run, for the command replay. A recording that FILE holds "
+                    + "becomes FILE.1. Of several worlds: a folder, in which each has WORLD.log.")
     private Optional<Path> file = Optional.empty();
 
     @Option(names = "--record-limit", paramLabel = "MIB",
@@ -40,18 +40,10 @@ final class RecordOptions {
      * @throws ParameterException if the options do not fit together
      */
     Optional<RecordingPlan> plan() {
-        requireFileAndPositive("--record-limit", limit, "1 MiB or more");
-        requireFileAndPositive("--record-keep", keep, "1 or more");
+        PartnerOption.requireCount(spec, "--record-limit", limit, "--record FILE", file);
+        PartnerOption.requireCount(spec, "--record-keep", keep, "--record FILE", file);
         long maxBytes = limit.map(size -> size * MEBIBYTE).orElse(Long.MAX_VALUE);
         return file.map(path -> new RecordingPlan(path, maxBytes,
                 keep.orElse(RecordingPlan.DEFAULT_KEEP)));
-    }
-
-    private void requireFileAndPositive(String option, Optional<Integer> given, String expected) {
-        if (given.isPresent() && (given.get() < 1 || file.isEmpty())) {
-            throw new ParameterException(spec.commandLine(), given.get() < 1
-                    ? option + " is " + given.get() + ", expected " + expected
-                    : option + " takes --record FILE; found none");
-        }
     }
 }

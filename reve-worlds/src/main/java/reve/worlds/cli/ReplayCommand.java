@@ -100,6 +100,11 @@ public final class ReplayCommand implements Callable<Integer> {
         }
         out.println(replay.divergence().map(found -> "different: " + found.message())
                 .orElse("identical: " + replay.frames() + " frames"));
+        if (until != Long.MAX_VALUE && simulation.loop().frame() < until
+                && replay.divergence().isEmpty()) {
+            out.println("the recording ends at frame " + simulation.loop().frame()
+                    + ", before frame " + until);
+        }
         out.println("state hash: " + fields.get("stateHash"));
         out.flush();
     }

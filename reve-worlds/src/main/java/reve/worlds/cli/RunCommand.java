@@ -63,6 +63,13 @@ public final class RunCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        try (Interrupt interrupt = new Interrupt(spec)) {
+            return interrupt.endsWith(!isWhole(interrupt));
+        }
+    }
+
+    /** Runs and reports. @return whether no law was set aside, and the recording is whole */
+    private boolean isWhole(Interrupt interrupt) throws Exception {
         if (save.isPresent()) {
             save = Optional.of(WritableFile.require(spec, "--save", save.get()));
         }
@@ -71,8 +78,8 @@ public final class RunCommand implements Callable<Integer> {
         WorldDescription description = world.load(spec.commandLine().getErr());
         long frames = Frames.of(spec, "--seconds", seconds, description.timing());
         Pacing pacing = realTime ? Pacing.REAL_TIME : Pacing.FAST;
-        try (Simulation simulation = new Simulation(description, pacing, lawPath);
-                Interrupt interrupt = new Interrupt(spec, simulation.loop()::stop)) {
+        try (Simulation simulation = new Simulation(description, pacing, lawPath)) {
+            interrupt.stopWith(simulation.loop()::stop);
             simulation.physics().setLedger(ledger);
             RunReport report = recorded(simulation, frames, pacing, recording);
             if (save.isPresent()) {
@@ -85,7 +92,7 @@ public final class RunCommand implements Callable<Integer> {
             } else {
                 print(report, simulation);
             }
-            return interrupt.endsWith(!report.faults().isEmpty() || !wholeRecording);
+            return report.faults().isEmpty() && wholeRecording;
         }
     }
 

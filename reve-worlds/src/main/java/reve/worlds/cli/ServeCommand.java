@@ -37,6 +37,7 @@ import reve.worlds.server.WorldServer;
         description = "Runs worlds that agents can join and laws can be dropped into, "
                 + "until Ctrl-C.")
 public final class ServeCommand implements Callable<Integer> {
+    private static final int STORE_EVERY = 10;
     private static final double MIN_DEADLINE = 0.001;
     private static final double MAX_DEADLINE = 3600;
     private static final double MIN_WAITING = 0.001;
@@ -77,15 +78,16 @@ public final class ServeCommand implements Callable<Integer> {
                     + "Of several worlds: a folder, in which each has WORLD.db.")
     private Optional<Path> store = Optional.empty();
 
-    @Option(names = "--store-every", paramLabel = "S", defaultValue = "10",
+    @Option(names = "--store-every", paramLabel = "S",
             description = "World time between whole images in the store [s] "
-                    + "(default: ${DEFAULT-VALUE}).")
-    private double storeEvery;
+                    + "(default: " + STORE_EVERY + ").")
+    private Optional<Double> storeEvery = Optional.empty();
 
-    @Option(names = "--durability", paramLabel = "KIND", defaultValue = "normal",
-            description = "What the store survives: normal, the end of the process; full, of "
-                    + "power too, and the world waits for a slow disk as long as it takes.")
-    private SqliteStore.Durability durability = SqliteStore.Durability.NORMAL;
+    @Option(names = "--durability", paramLabel = "KIND",
+            description = "What the store survives: normal, the end of the process (the default); "
+                    + "full, of power too, and the world waits for a slow disk as long as it "
+                    + "takes.")
+    private Optional<SqliteStore.Durability> durability = Optional.empty();
 
     @Mixin
     private RecordOptions record = new RecordOptions();
@@ -148,6 +150,12 @@ public final class ServeCommand implements Callable<Integer> {
 
     @Override
     public Integer call() throws Exception {
+        try (Interrupt interrupt = new Interrupt(spec)) {
+            return interrupt.endsWith(serve(interrupt).failed());
+        }
+    }
+
+    private ServerReport serve(Interrupt interrupt) throws Exception {
         AgentServerConfig agents = agents();
         requireWatchdog();
         requireStoreEvery();
@@ -158,16 +166,15 @@ public final class ServeCommand implements Callable<Integer> {
                 printed.printed())) {
             WorldServer server = new WorldServer(plans, fast ? Pacing.FAST : Pacing.REAL_TIME,
                     agents, laws.folder(), watchdog(events), events);
-            try (Interrupt interrupt = new Interrupt(spec, server::stop)) {
-                ServerReport report;
-                try (server) {
-                    server.start();
-                    report = server.run();
-                }
-                report = report.withUnkept(server.unkept());
-                events.end(report);
-                return interrupt.endsWith(report.failed());
+            interrupt.stopWith(server::stop);
+            ServerReport report;
+            try (server) {
+                server.start();
+                report = server.run();
             }
+            report = report.withUnkept(server.unkept());
+            events.end(report);
+            return report;
         }
     }
 
@@ -213,7 +220,7 @@ public final class ServeCommand implements Callable<Integer> {
         taken.put(file, option);
     }
 
-    private void makeFolders() throws IOException {
+    private void makeFolders() {
         makeFolder("--snapshots", Optional.of(snapshots));
         makeFolder("--saves", saves);
         if (paths.size() > 1) {
@@ -222,7 +229,7 @@ public final class ServeCommand implements Callable<Integer> {
         }
     }
 
-    private void makeFolder(String option, Optional<Path> folder) throws IOException {
+    private void makeFolder(String option, Optional<Path> folder) {
         if (folder.isPresent()) {
             OptionFolder.make(spec, option, folder.get());
         }
@@ -236,7 +243,9 @@ public final class ServeCommand implements Callable<Integer> {
         return new WorldPlan(description,
                 Frames.of(spec, "--seconds", seconds, description.timing()),
                 new Persistence(folder, recording(description.name()),
-                        fileOf(store, description.name() + ".db"), saves, storeEvery, durability),
+                        fileOf(store, description.name() + ".db"), saves,
+                        storeEvery.orElse((double) STORE_EVERY),
+                        durability.orElse(SqliteStore.Durability.NORMAL)),
                 new Pictures(snapshots, pictureFrames), lawPath.forWorld(folder));
     }
 
@@ -252,10 +261,12 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     private void requireStoreEvery() {
-        if (!(storeEvery > 0)) {
+        if (storeEvery.isPresent() && !(storeEvery.get() > 0)) {
             throw new ParameterException(spec.commandLine(),
-                    "--store-every is " + storeEvery + ", expected a time above 0 s");
+                    "--store-every is " + storeEvery.get() + ", expected a time above 0 s");
         }
+        PartnerOption.require(spec, "--store-every", storeEvery.isPresent(), "--store FILE", store);
+        PartnerOption.require(spec, "--durability", durability.isPresent(), "--store FILE", store);
     }
 
     private void requireWatchdog() {

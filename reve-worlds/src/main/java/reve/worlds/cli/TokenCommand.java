@@ -34,6 +34,7 @@ import reve.core.agent.AgentToken;
 import reve.core.agent.Rights;
 import reve.core.agent.Role;
 import reve.core.agent.TokenFile;
+import reve.worlds.Product;
 
 /** Makes, lists and revokes the tokens that let agents into a server. */
 @Command(name = "token",
@@ -184,7 +185,7 @@ public final class TokenCommand implements Runnable {
         List<AgentToken> revoked = TokenFile.revoke(file, nameOrId);
         if (revoked.isEmpty()) {
             spec.commandLine().getErr().println("reve: " + file + " has no token of the name or id "
-                    + nameOrId + "; ./reve token list --file " + file
+                    + nameOrId + "; " + Product.command() + " token list --file " + file
                     + " shows those that it has");
             return ExitCode.FAILURE;
         }

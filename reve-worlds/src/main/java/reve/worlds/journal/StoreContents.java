@@ -13,6 +13,7 @@ import java.util.UUID;
 import java.util.stream.Stream;
 import org.jspecify.annotations.Nullable;
 import reve.core.store.CorruptException;
+import reve.worlds.Product;
 
 /**
  * What the files of a store hold, read without changing any of them, and what is missing. One
@@ -158,7 +159,7 @@ public final class StoreContents {
                 + "a copy, or name another file" : "It can continue from frame " + frame
                 + (known > frame ? "; frames " + (frame + 1) + " to " + known + " would be lost"
                 : "") + ". Put back what is missing from a copy, or recover what is left: "
-                + "./reve store repair " + file;
+                + Product.command() + " store repair " + file;
         return new CorruptException(file + " is not whole: " + reason + ". " + left
                 + " (nothing was changed)");
     }

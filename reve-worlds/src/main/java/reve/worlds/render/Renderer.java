@@ -152,7 +152,7 @@ public final class Renderer implements AutoCloseable {
         }
         if (!Files.isExecutable(program)) {
             throw new RenderException("there is no program " + program
-                    + "; build it with `./reve build` or name its folder in -Dreve.native.path");
+                    + "; build it, or name its folder in -Dreve.native.path");
         }
         process = null;
         RenderProcess started = new RenderProcess(program);

@@ -12,6 +12,7 @@ import org.jspecify.annotations.Nullable;
 import org.slf4j.Logger;
 import org.slf4j.LoggerFactory;
 import reve.core.agent.WorldControl;
+import reve.core.disk.Reason;
 import reve.core.file.WorldFile;
 import reve.core.world.ActionRefused;
 import reve.core.world.ItemId;
@@ -64,7 +65,9 @@ final class ServerControl implements WorldControl, AutoCloseable {
         try {
             return new Load(simulation.prepare(library), parameters);
         } catch (PhysicsException failed) {
-            LOG.error("the law library {} was asked for and refused", library, failed);
+            LOG.warn("the law library {} was asked for and refused: {}", library,
+                    failed.getMessage());
+            LOG.debug("the law library {}", library, failed);
             throw new ActionRefused("law-refused", "the library \"" + library + "\" is refused: "
                     + failed.status() + SEE_LOG, failed);
         }
@@ -144,7 +147,9 @@ final class ServerControl implements WorldControl, AutoCloseable {
                 fields.put("without", fork.notDescribed());
                 events.happened("saved", fields);
             } catch (IOException | IllegalArgumentException | PhysicsException failed) {
-                LOG.error("the world cannot be saved as {}", target, failed);
+                LOG.warn("the world cannot be saved as {}: {}", target,
+                        Reason.of(failed));
+                LOG.debug("the file {}", target, failed);
                 throw new ActionRefused("save-refused", "the world cannot be saved as " + file
                         + SEE_LOG, failed);
             }

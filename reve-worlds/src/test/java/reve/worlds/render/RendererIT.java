@@ -232,7 +232,7 @@ class RendererIT {
             assertThatExceptionOfType(RenderException.class)
                     .isThrownBy(() -> missing.render(redBox()))
                     .withMessageContaining("nowhere/vesper-render")
-                    .withMessageContaining("./reve build");
+                    .withMessageContaining("build it");
         }
     }
 }

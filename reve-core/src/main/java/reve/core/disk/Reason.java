@@ -1,0 +1,24 @@
+package reve.core.disk;
+
+import java.io.IOException;
+import java.nio.file.AccessDeniedException;
+import java.nio.file.FileSystemException;
+import java.nio.file.NoSuchFileException;
+import java.nio.file.Path;
+
+/** Why something could not be done to a file, in words: many exceptions name only the path. */
+public final class Reason {
+    private Reason() {}
+
+    /** For a message that names the file. */
+    public static String of(Exception failure) {
+        return switch (failure) {
+            case NoSuchFileException gone ->
+                    "there is no folder " + Path.of(gone.getFile()).toAbsolutePath().getParent();
+            case AccessDeniedException denied -> "permission denied";
+            case FileSystemException other when other.getReason() != null -> other.getReason();
+            case IOException nameless when nameless.getMessage() == null -> nameless.toString();
+            default -> String.valueOf(failure.getMessage());
+        };
+    }
+}

@@ -1,0 +1,140 @@
+package reve.tests;
+
+import static org.assertj.core.api.Assertions.assertThat;
+
+import java.nio.file.Files;
+import java.nio.file.Path;
+import java.util.List;
+import java.util.Map;
+import org.junit.jupiter.api.Test;
+import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
+import reve.agent.ActResult;
+import reve.agent.AgentClient;
+import reve.agent.Join;
+import reve.tests.Reve.Outcome;
+
+/** Slips of operators, and what they are told. */
+class UsageIT {
+    private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
+
+    @TempDir
+    private Path folder;
+
+    private static void refused(String message, String... arguments) throws Exception {
+        Outcome outcome = Reve.run(arguments);
+        assertThat(outcome.code()).as(outcome.err()).isEqualTo(2);
+        assertThat(outcome.err()).contains(message);
+    }
+
+    @ParameterizedTest
+    @ValueSource(strings = {"--store", "--record", "--laws", "--audit"})
+    void anEmptyFileNameIsRefused(String option) throws Exception {
+        refused("'" + option + "': expected a file or a folder, found nothing", "serve", WORLD,
+                option, "");
+    }
+
+    @Test
+    void anOptionWithoutTheOneThatItBelongsToIsRefused() throws Exception {
+        refused("--store-every takes --store FILE; found none", "serve", WORLD, "--store-every",
+                "2");
+        refused("--durability takes --store FILE; found none", "serve", WORLD, "--durability",
+                "full");
+        refused("--audit-size takes --audit FILE; found none", "serve", WORLD, "--audit-size", "2");
+        refused("--audit-keep is 0, expected 1 or more", "serve", WORLD, "--audit-keep", "0");
+        refused("--record-keep takes --record FILE; found none", "run", WORLD, "--record-keep",
+                "2");
+    }
+
+    @Test
+    void aFolderThatCannotBeMadeIsNamedWithTheReason() throws Exception {
+        Outcome outcome = Reve.run("serve", WORLD, "--port", "0", "--saves", "/proc/x");
+        assertThat(outcome.code()).isEqualTo(2);
+        assertThat(outcome.err()).contains("--saves /proc/x: it cannot be made: ");
+    }
+
+    @Test
+    void aHeapInWhichNoWorldFitsIsRefusedInWords() throws Exception {
+        for (String heap : List.of("8m", "1000k", "63M")) {
+            Process launched = new ProcessBuilder("env", "REVE_HEAP=" + heap,
+                    Project.ROOT.resolve("reve").toString(), "--version").start();
+            assertThat(new String(launched.getErrorStream().readAllBytes()))
+                    .isEqualTo("reve: REVE_HEAP is " + heap + ", expected 64m or more\n");
+            assertThat(launched.waitFor()).isEqualTo(2);
+        }
+    }
+
+    @Test
+    void aReplayBeyondTheEndOfTheRecordingSaysSo() throws Exception {
+        String log = folder.resolve("run.log").toString();
+        assertThat(Reve.run("run", WORLD, "--seconds", "1", "--record", log).code()).isZero();
+        Outcome beyond = Reve.run("replay", log, "--until", "99");
+        assertThat(beyond.code()).isZero();
+        assertThat(beyond.out()).contains("the recording ends at frame 60, before frame 99");
+        assertThat(Reve.run("replay", log, "--until", "60").out()).doesNotContain("before frame");
+    }
+
+    @Test
+    void aLimitOfFileSizesIsNamedAsSuch() throws Exception {
+        Outcome outcome = Reve.run(java.util.stream.Stream.concat(
+                List.of("bash", "-c", "ulimit -f 1; exec \"$@\"", "bash").stream(),
+                Reve.command("run", WORLD).stream()).toList());
+        assertThat(outcome.code()).isEqualTo(1);
+        assertThat(outcome.err()).contains("File too large", "(ulimit -f)")
+                .doesNotContain("world.yaml:");
+    }
+
+    /** A law library holds the start up for as long as its constructor sleeps. */
+    @Test
+    void whatIsStoppedWhileItStartsEndsWell() throws Exception {
+        Path mark = folder.resolve("mark");
+        Files.writeString(folder.resolve("slow.c"), """
+                #include <stdio.h>
+                #include <unistd.h>
+                __attribute__((constructor)) static void hold(void) {
+                  fclose(fopen("%s", "w"));
+                  sleep(30);
+                }
+                """.formatted(mark));
+        new Shell(folder).run("mkdir laws && gcc -shared -fPIC slow.c"
+                + " -o laws/libvesper_law_slow.so");
+        Path world = Files.writeString(folder.resolve("world.yaml"),
+                "reve: 1\nname: held\nlaws: [slow]\nitems: []\n");
+        for (String command : List.of("serve", "run")) {
+            Files.deleteIfExists(mark);
+            Process process = new ProcessBuilder(Reve.command(command, world.toString(), "--laws",
+                    folder.resolve("laws").toString())).start();
+            while (!Files.exists(mark)) {
+                Thread.onSpinWait();
+            }
+            List<ProcessHandle> probes = process.descendants().toList();
+            process.toHandle().destroy();
+            assertThat(process.waitFor()).as(command).isZero();
+            probes.forEach(ProcessHandle::destroyForcibly);
+        }
+    }
+
+    @Test
+    void aSaveOrALawThatIsRefusedIsOneLineInTheLog() throws Exception {
+        Path saves = Files.createDirectory(folder.resolve("saves"));
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                "--saves", saves.toString())) {
+            try (AgentClient boss = AgentClient.connect("127.0.0.1",
+                    Integer.parseInt(server.port()), Join.as("boss").withRole("control"))) {
+                Files.delete(saves);
+                ActResult save = boss.command("save", Map.of("file", "later"));
+                assertThat(save.code()).contains("save-refused");
+                ActResult load = boss.command("load-law", Map.of("library", "nowhere"));
+                assertThat(load.code()).contains("law-refused");
+            }
+            server.process().toHandle().destroy();
+            assertThat(server.exitCode()).isZero();
+        }
+        String log = Files.readString(folder.resolve("server.err"));
+        assertThat(log).contains("the world cannot be saved as " + saves.resolve("later.yaml")
+                + ": there is no folder " + saves, "the law library nowhere was asked for and "
+                + "refused: ").doesNotContain("Exception");
+        assertThat(log.lines()).hasSizeLessThanOrEqualTo(2);
+    }
+}
