@@ -120,6 +120,20 @@ class RecordingFilesIT {
     }
 
     @Test
+    void noFileIsNamedAsAnOlderOneOfAnotherOption() throws Exception {
+        Path log = folder.resolve("run");
+        for (List<String> options : List.of(
+                List.of("--record", log.toString(), "--audit", log + ".1"),
+                List.of("--store", log + ".2", "--audit", log.toString()))) {
+            List<String> command = new ArrayList<>(List.of("serve", WORLD, "--port", "0"));
+            command.addAll(options);
+            Outcome refused = Reve.run(command.toArray(String[]::new));
+            assertThat(refused.code()).isEqualTo(2);
+            assertThat(refused.err()).contains("give each a file of its own");
+        }
+    }
+
+    @Test
     void aSecondServerOnARecordingOrAnAuditFileIsRefusedAndTheFirstGoesOn() throws Exception {
         Path log = folder.resolve("run.log");
         Path audit = folder.resolve("audit.jsonl");

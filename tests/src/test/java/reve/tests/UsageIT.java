@@ -6,6 +6,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
+import java.util.stream.Stream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -77,7 +78,7 @@ class UsageIT {
 
     @Test
     void aLimitOfFileSizesIsNamedAsSuch() throws Exception {
-        Outcome outcome = Reve.run(java.util.stream.Stream.concat(
+        Outcome outcome = Reve.run(Stream.concat(
                 List.of("bash", "-c", "ulimit -f 1; exec \"$@\"", "bash").stream(),
                 Reve.command("run", WORLD).stream()).toList());
         assertThat(outcome.code()).isEqualTo(1);

@@ -9,6 +9,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.Callable;
+import java.util.regex.Pattern;
 import picocli.CommandLine.ArgGroup;
 import picocli.CommandLine.Command;
 import picocli.CommandLine.Mixin;
@@ -203,7 +204,10 @@ public final class ServeCommand implements Callable<Integer> {
         requireOwn(taken, "--audit", audit.file());
     }
 
-    /** A store has the files that begin with its name and {@code -}. */
+    /**
+     * A store has the files that begin with its name and {@code -}; older recordings and audit
+     * files are called {@code FILE.1} and so on.
+     */
     private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given) {
         if (given.isEmpty()) {
             return;
@@ -212,12 +216,19 @@ public final class ServeCommand implements Callable<Integer> {
         taken.forEach((other, by) -> {
             boolean isStores = by.equals("--store") && file.startsWith(other.getParent())
                     && file.getFileName().toString().startsWith(other.getFileName() + "-");
-            if (file.equals(other) || isStores) {
+            boolean isOlder = !by.equals("--store") && isOlder(file, other)
+                    || !option.equals("--store") && isOlder(other, file);
+            if (file.equals(other) || isStores || isOlder) {
                 throw new ParameterException(spec.commandLine(), option + " " + given.get()
                         + " is a file of " + by + "; give each a file of its own");
             }
         });
         taken.put(file, option);
+    }
+
+    private static boolean isOlder(Path older, Path file) {
+        return file.getParent().equals(older.getParent()) && older.getFileName().toString()
+                .matches(Pattern.quote(file.getFileName() + ".") + "[0-9]+");
     }
 
     private void makeFolders() {

@@ -57,7 +57,9 @@ public final class Recording implements JournalSink {
 
     /** The lock is held until a new file is at the path, so that two servers do not both move. */
     private Path rotated() throws IOException {
-        requireRecording(OwnedFile.older(file, plan.keep()));
+        for (int i = 1; i <= plan.keep() && Files.exists(OwnedFile.older(file, i)); i++) {
+            requireRecording(OwnedFile.older(file, i));
+        }
         try {
             return OwnedFile.rotate(file, plan.keep());
         } catch (IOException e) {
