@@ -91,7 +91,7 @@ public final class WorldFile {
     public static ItemDefinition parseItem(String name, String text, WorldPrototype prototype,
             Assets assets) throws WorldFileException {
         var problems = new Problems(name);
-        Node item = YamlReader.read(text, problems, new Allowance(YamlReader.MAX_VALUES));
+        Node item = YamlReader.readKept(text, problems);
         SchemaCheck.checkItem(item, problems);
         var physics = new PhysicsReader(prototype, Set.of(), problems);
         Optional<ItemDefinition> read =

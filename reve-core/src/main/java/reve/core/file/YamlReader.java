@@ -7,6 +7,7 @@ import java.util.ArrayList;
 import java.util.Deque;
 import java.util.Iterator;
 import java.util.LinkedHashMap;
+import java.util.Map;
 import java.util.Optional;
 import org.jspecify.annotations.Nullable;
 import org.snakeyaml.engine.v2.api.LoadSettings;
@@ -44,6 +45,13 @@ final class YamlReader {
     /** Longest text of a key or a value [characters]. */
     static final int MAX_TEXT_LENGTH = 65_536;
 
+    /** What begins with a sign that no world file has a use for, as the parser calls it. */
+    private static final Map<String, String> SIGNS = Map.of(" tag", "`!` begins a tag",
+            " anchor", "`&` begins an anchor", " alias", "`*` begins an alias",
+            " directive", "`%` begins a directive");
+
+    private final String text;
+    private final boolean kept;
     private final Problems problems;
     private final Allowance values;
     private final ScalarResolver resolver = new CoreScalarResolver(false);
@@ -52,11 +60,15 @@ final class YamlReader {
     private @Nullable Node root;
     /** A key whose value comes next. */
     private Node.@Nullable Slot waiting;
+    /** Where what was taken last begins. */
+    private Optional<Mark> taken = Optional.empty();
     private int documents;
     private boolean inItems;
     private int others;
 
-    private YamlReader(Problems problems, Allowance values) {
+    private YamlReader(String text, boolean kept, Problems problems, Allowance values) {
+        this.text = text;
+        this.kept = kept;
         this.problems = problems;
         this.values = values;
     }
@@ -69,16 +81,23 @@ final class YamlReader {
      * @throws WorldFileException for what ends the reading: syntax, limits, refused YAML features
      */
     static Node read(String text, Problems problems, Allowance values) throws WorldFileException {
+        return read(text, problems, values, false);
+    }
+
+    private static Node read(String text, Problems problems, Allowance values, boolean kept)
+            throws WorldFileException {
         var settings = LoadSettings.builder().setCodePointLimit(Integer.MAX_VALUE).build();
-        var reader = new YamlReader(problems, values);
+        var reader = new YamlReader(text, kept, problems, values);
         try {
             Iterator<Event> events =
                     new Parse(settings).parseReader(new WholeCharacters(text)).iterator();
             while (events.hasNext()) {
                 reader.take(events.next());
             }
+        } catch (NumberFormatException escape) {
+            throw reader.noCharacter(reader.taken);
         } catch (MarkedYamlEngineException syntax) {
-            throw reader.notYaml(text, syntax);
+            throw reader.notYaml(syntax);
         } catch (ReaderException unprintable) {
             throw fatalAt(text, unprintable, problems);
         } catch (YamlVersionException version) {
@@ -87,6 +106,11 @@ final class YamlReader {
             throw problems.fatal(1, 1, "not valid YAML: " + other.getMessage());
         }
         return reader.requireRoot();
+    }
+
+    /** As {@link #read}, of what a store kept, in which a text may hold half a character. */
+    static Node readKept(String text, Problems problems) throws WorldFileException {
+        return read(text, problems, new Allowance(MAX_VALUES), true);
     }
 
     /**
@@ -105,6 +129,7 @@ final class YamlReader {
     }
 
     private void take(Event event) throws WorldFileException {
+        taken = event.getStartMark();
         switch (event) {
             case DocumentStartEvent start -> {
                 if (++documents > 1) {
@@ -157,6 +182,9 @@ final class YamlReader {
         if (text.length() > MAX_TEXT_LENGTH) {
             throw fatal(scalar.getStartMark(), "a text of " + text.length()
                     + " characters; at most " + MAX_TEXT_LENGTH + " are allowed");
+        }
+        if (!kept && Escapes.hasHalf(text)) {
+            throw noCharacter(scalar.getStartMark());
         }
         if (awaitsKey()) {
             Mark mark = scalar.getStartMark().orElseThrow();
@@ -283,10 +311,31 @@ final class YamlReader {
                 mark.map(Mark::getColumn).orElse(0) + 1, message);
     }
 
+    /** Blames the first escape from there on that stands for no character. */
+    private WorldFileException noCharacter(Optional<Mark> from) {
+        Optional<Escapes.Wrong> wrong = Escapes.find(text, offset(from));
+        if (wrong.isEmpty()) {
+            return fatal(from, "not valid YAML: an escape in double quotes, such as `\\u00e9`, "
+                    + "stands for no character");
+        }
+        String before = text.substring(0, wrong.get().offset());
+        return problems.fatal(1 + (int) before.chars().filter(c -> c == '\n').count(),
+                before.length() - before.lastIndexOf('\n'), wrong.get().message());
+    }
+
+    private int offset(Optional<Mark> mark) {
+        return mark.map(at -> text.offsetByCodePoints(0,
+                Math.min(at.getIndex(), text.codePointCount(0, text.length())))).orElse(0);
+    }
+
     /** Blames the quote or bracket that is not closed, if one is. */
-    private WorldFileException notYaml(String text, MarkedYamlEngineException syntax) {
+    private WorldFileException notYaml(MarkedYamlEngineException syntax) {
         int line = syntax.getProblemMark().map(Mark::getLine).orElse(0) + 1;
         int column = syntax.getProblemMark().map(Mark::getColumn).orElse(0) + 1;
+        if (syntax.getProblem().startsWith("found unknown escape character")
+                && Escapes.find(text, offset(syntax.getContextMark())).isPresent()) {
+            return noCharacter(syntax.getContextMark());
+        }
         Optional<Unclosed.Opening> opening = Unclosed.find(text, line, column);
         if (opening.isEmpty()) {
             return problems.fatal(line, column, sentence(syntax));
@@ -303,7 +352,28 @@ final class YamlReader {
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
         String problem = syntax.getProblem().replaceAll(" ?\\(Do not use [^\\\\].* for "
-                + "indentation\\)", " Put the text in quotes");
+                + "indentation\\)", " Put the text in quotes")
+                .replaceAll("(?s)\\s\\((?:10|13)\\)|\\x00\\(0\\)", "the end of the line")
+                .replaceAll("(\\S)\\(\\d+\\)", "`$1`");
+        String what = context == null ? "" : context;
+        for (Map.Entry<String, String> sign : SIGNS.entrySet()) {
+            if (what.endsWith(sign.getKey())) {
+                return "not valid YAML: a " + sign.getValue() + ", which is not allowed; put a "
+                        + "text that begins with it in quotes";
+            }
+        }
+        if (what.endsWith("double-quoted scalar") && problem.contains("escape")) {
+            return "not valid YAML: `\\` in double quotes begins an escape such as `\\n` or "
+                    + "`\\u00e9`; write it twice, or put the text in single quotes";
+        }
+        if (problem.contains("mapping keys are not allowed")) {
+            return "not valid YAML: `?` begins no key here; put a text that begins with it in "
+                    + "quotes";
+        }
+        if (problem.contains("sequence entries are not allowed")) {
+            return "not valid YAML: `-` begins no element here; elements of a list begin on lines "
+                    + "of their own";
+        }
         if (problem.startsWith("mapping values are not allowed")) {
             return "not valid YAML: a `:` makes no key here; put a text that holds `: ` in quotes, "
                     + "and begin all keys of a mapping in one column";
@@ -312,7 +382,7 @@ final class YamlReader {
             return "not valid YAML: this is neither a key nor an element of what stands above; "
                     + "look at the indentation, and at quotes within quotes";
         }
-        return "not valid YAML: " + (context == null ? problem : context + ", " + problem);
+        return "not valid YAML: " + (what.isEmpty() ? problem : what + ", " + problem);
     }
 
     private static WorldFileException fatalAt(String text, ReaderException unprintable,

@@ -138,6 +138,12 @@ final class WorldTrees {
         return texts;
     }
 
+    /** World files of the project, and blocks of its documents that are whole ones, as written. */
+    static List<String> sources() throws IOException {
+        return Stream.concat(texts().values().stream(), blocks().values().stream())
+                .filter(text -> text.contains("reve: 1")).toList();
+    }
+
     /** YAML in documents, by its place. */
     static Map<String, String> blocks() throws IOException {
         Map<String, String> blocks = new TreeMap<>();

@@ -1,0 +1,78 @@
+package reve.core.file;
+
+import java.util.Optional;
+import java.util.regex.Matcher;
+import java.util.regex.Pattern;
+
+/**
+ * Finds the escape in a text in double quotes that stands for no character: the YAML parser ends
+ * with an exception of its own at some, and takes halves of characters.
+ */
+final class Escapes {
+    private static final Pattern ESCAPE = Pattern.compile(
+            "\\\\(?:u([0-9A-Fa-f]{4})|U([0-9A-Fa-f]{8})|\\R|.)", Pattern.DOTALL);
+
+    /**
+     * An escape that is wrong.
+     *
+     * @param offset in the text
+     * @param message what is wrong with it, and what to write
+     */
+    record Wrong(int offset, String message) {}
+
+    private Escapes() {}
+
+    /** Whether a text holds half a character. */
+    static boolean hasHalf(String text) {
+        for (int i = 0; i < text.length(); i++) {
+            if (Character.isHighSurrogate(text.charAt(i)) && i + 1 < text.length()
+                    && Character.isLowSurrogate(text.charAt(i + 1))) {
+                i++;
+            } else if (Character.isSurrogate(text.charAt(i))) {
+                return true;
+            }
+        }
+        return false;
+    }
+
+    /** The first escape from an offset on that stands for no character. */
+    static Optional<Wrong> find(String text, int from) {
+        Matcher escape = ESCAPE.matcher(text);
+        int at = from;
+        while (escape.find(at)) {
+            at = escape.end();
+            long code = code(escape);
+            if (code > Character.MAX_CODE_POINT) {
+                return Optional.of(new Wrong(escape.start(), "`" + escape.group()
+                        + "` is no character; the last one is `\\U0010FFFF`"));
+            }
+            if (!isHalf(code)) {
+                continue;
+            }
+            int begin = escape.start();
+            String half = escape.group();
+            boolean whole = isHigh(code) && escape.find(at) && escape.start() == at
+                    && isHalf(code(escape)) && !isHigh(code(escape));
+            if (!whole) {
+                return Optional.of(new Wrong(begin, "`" + half + "` is half a character; write "
+                        + "the character itself, or both halves, as in `\\uD83D\\uDE00`"));
+            }
+            at = escape.end();
+        }
+        return Optional.empty();
+    }
+
+    /** The number that an escape gives, -1 if it gives none. */
+    private static long code(Matcher escape) {
+        String digits = escape.group(1) != null ? escape.group(1) : escape.group(2);
+        return digits == null ? -1 : Long.parseLong(digits, 16);
+    }
+
+    private static boolean isHalf(long code) {
+        return code >= Character.MIN_SURROGATE && code <= Character.MAX_SURROGATE;
+    }
+
+    private static boolean isHigh(long code) {
+        return code <= Character.MAX_HIGH_SURROGATE;
+    }
+}
