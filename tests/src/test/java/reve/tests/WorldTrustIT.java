@@ -9,6 +9,7 @@ import java.io.PrintStream;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardCopyOption;
 import java.nio.file.StandardOpenOption;
 import java.util.ArrayList;
 import java.util.List;
@@ -41,18 +42,25 @@ class WorldTrustIT {
     @BeforeAll
     static void compile() throws Exception {
         mark = shared.resolve("mark");
-        evil = shared.resolve(FILE);
+        evil = compile(FILE);
+    }
+
+    private static Path compile(String name, String... options) throws Exception {
+        Path file = shared.resolve(name);
         Path source = shared.resolve("evil_law.cpp");
         try (InputStream text = WorldTrustIT.class.getResourceAsStream("evil_law.cpp")) {
             Files.write(source, text.readAllBytes());
         }
-        Process compiler = new ProcessBuilder("g++", "-std=c++20", "-shared", "-fPIC", "-O0",
-                "-fvisibility=hidden", "-ffp-contract=off", "-fno-gnu-unique",
+        List<String> command = new ArrayList<>(List.of("g++", "-std=c++20", "-shared", "-fPIC",
+                "-O0", "-fvisibility=hidden", "-ffp-contract=off", "-fno-gnu-unique",
                 "-DEVIL_MARK=\"" + mark + "\"",
                 "-I" + Project.ROOT.resolve("vesper-native/include"), source.toString(), "-o",
-                evil.toString()).redirectErrorStream(true).start();
+                file.toString()));
+        command.addAll(List.of(options));
+        Process compiler = new ProcessBuilder(command).redirectErrorStream(true).start();
         String said = new String(compiler.getInputStream().readAllBytes(), StandardCharsets.UTF_8);
         assertThat(compiler.waitFor()).as(said).isZero();
+        return file;
     }
 
     @BeforeEach
@@ -185,6 +193,35 @@ class WorldTrustIT {
         assertThat(outcome.err()).contains(own.toRealPath() + " is not used: the law of that name "
                 + "that ships comes first");
         assertNeverOpened();
+    }
+
+    /** By its own name, and by that of a law in it; what ships, and its copies, bear theirs. */
+    @Test
+    void aTrustedLibraryMayNotCallItselfLikeAShippedLaw() throws Exception {
+        Path library = compile("library.so", "-DEVIL_LIBRARY=\"gravity_field\"");
+        Path law = compile("law.so", "-DEVIL_LAW=\"gravity_field\"");
+        Path operators = Files.createDirectory(folder.resolve("operators"));
+        Path ships = Project.NATIVE.resolve("laws/libvesper_law_gravity_field.so");
+        String world = world("[newton_motion, evil]");
+        for (Path impostor : List.of(library, law)) {
+            Path own = ownLaws().resolve(FILE);
+            Files.copy(impostor, own, StandardCopyOption.REPLACE_EXISTING);
+            Outcome trusted = reve("check", world, "--trust");
+            assertThat(trusted.code()).as(trusted.out()).isEqualTo(4);
+            assertThat(trusted.err()).contains(world + ":3:23: ", own.toRealPath() + " calls "
+                    + "itself 'gravity_field', which is the law that ships as ", ships.toString());
+            Files.copy(impostor, operators.resolve(FILE), StandardCopyOption.REPLACE_EXISTING);
+            Outcome found = reve("check", world, "--laws", operators.toString());
+            assertThat(found.code()).as(found.out()).isEqualTo(4);
+            assertThat(found.err()).contains(operators.resolve(FILE) + " calls itself ");
+            Outcome dropped = reve("serve", world("[newton_motion]"), "--port", "0", "--seconds",
+                    "3", "--laws", operators.toString(), "--json");
+            assertThat(dropped.out()).contains("\"fault\"", " calls itself 'gravity_field'")
+                    .doesNotContain("\"laws\":\"gravity_field\"");
+            world = world("[newton_motion, evil]");
+        }
+        Files.copy(ships, operators.resolve(FILE), StandardCopyOption.REPLACE_EXISTING);
+        assertThat(reve("check", world, "--laws", operators.toString()).code()).isZero();
     }
 
     @Test

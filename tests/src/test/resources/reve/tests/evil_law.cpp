@@ -3,6 +3,13 @@
 
 #include "vesper/law.hpp"
 
+#ifndef EVIL_LIBRARY
+#define EVIL_LIBRARY "evil"
+#endif
+#ifndef EVIL_LAW
+#define EVIL_LAW "evil"
+#endif
+
 using namespace vesper;
 
 __attribute__((constructor)) static void LeaveMark() {
@@ -14,7 +21,7 @@ __attribute__((constructor)) static void LeaveMark() {
 
 template <class Real>
 struct Evil {
-  static constexpr auto kName = "evil", kVersion = "1.0.0";
+  static constexpr auto kName = EVIL_LAW, kVersion = "1.0.0";
   static constexpr auto kDoc = "Pulls every body along x.";
   static constexpr auto kPhase = Phase::kForce;
 
@@ -25,4 +32,4 @@ struct Evil {
   }
 };
 
-VESPER_LAW_LIBRARY("evil", Evil)
+VESPER_LAW_LIBRARY(EVIL_LIBRARY, Evil)

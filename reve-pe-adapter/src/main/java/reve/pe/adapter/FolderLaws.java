@@ -1,5 +1,6 @@
 package reve.pe.adapter;
 
+import java.nio.file.Path;
 import java.util.HashMap;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
@@ -87,7 +88,8 @@ final class FolderLaws implements AutoCloseable {
     }
 
     /** Activates a file's library in place of what the file held before. */
-    void put(long frame, String name, PreparedLibrary library, PreparedLibrary spare) {
+    void put(long frame, Path file, PreparedLibrary library, PreparedLibrary spare) {
+        String name = file.getFileName().toString();
         ActiveFile old = byName.get(name);
         if (old == null && adopted(name, library, spare)) {
             return;
@@ -99,8 +101,8 @@ final class FolderLaws implements AutoCloseable {
             return;
         }
         try {
-            int id = replaces ? replace(frame, name, old, library)
-                : laws.load(frame, library, Map.of());
+            int id = replaces ? replace(frame, file, old, library)
+                : laws.load(frame, library, Map.of(), file);
             untrack(library);
             if (old != null) {
                 drop(old.spare);
@@ -158,14 +160,15 @@ final class FolderLaws implements AutoCloseable {
      * The two may not be loaded together (same name, same property integrated), so the old one goes
      * first, and comes back if the new one is refused.
      */
-    private int replace(long frame, String name, ActiveFile old, PreparedLibrary library) {
+    private int replace(long frame, Path file, ActiveFile old, PreparedLibrary library) {
+        String name = file.getFileName().toString();
         if (old.spare == null) {
             throw new PhysicsException(Status.ALREADY_EXISTS, name + " was replaced"
                 + " too soon after an earlier replacement was refused; drop it again");
         }
         laws.unload(frame, old.libraryId);
         try {
-            return laws.load(frame, library, Map.of());
+            return laws.load(frame, library, Map.of(), file);
         } catch (PhysicsException refusal) {
             goBack(frame, name, old, old.spare, refusal);
             throw refusal;

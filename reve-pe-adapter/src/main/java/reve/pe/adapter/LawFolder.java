@@ -227,7 +227,7 @@ public final class LawFolder implements AutoCloseable {
             throw e;
         }
         file.settled = library.sha256().equals(spare.sha256())
-            && offer(frame -> active.put(frame, name, library, spare));
+            && offer(frame -> active.put(frame, path, library, spare));
         if (file.settled) {
             file.accepted = true;
         } else {

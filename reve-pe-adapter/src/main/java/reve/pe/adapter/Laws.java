@@ -1,5 +1,6 @@
 package reve.pe.adapter;
 
+import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.LinkedHashMap;
@@ -30,6 +31,7 @@ public final class Laws {
     private final Set<Integer> forFolder = new HashSet<>();
     private final Map<String, Quarantined> quarantined = new LinkedHashMap<>();
     private final List<Consumer<LawChange>> listeners = new ArrayList<>();
+    private NameGuard guard = (name, file, library) -> { };
     private long version;
 
     Laws(World world, PhysicsEngine engine) {
@@ -47,6 +49,36 @@ public final class Laws {
      *     then nothing changed and the library is still the caller's
      */
     public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters) {
+        return load(frame, prepared, parameters, name -> { });
+    }
+
+    /**
+     * As the other one, of a library that was read from a file: what is responsible for names may
+     * refuse it for its own name, or that of one of its laws.
+     */
+    public int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters,
+            Path file) {
+        byte[] bytes = prepared.bytes();
+        return load(frame, prepared, parameters, name -> guard.check(name, file, bytes));
+    }
+
+    /** Lets somebody refuse names of libraries, and of laws in them. */
+    public void guardNames(NameGuard newGuard) {
+        guard = newGuard;
+    }
+
+    /** Refuses libraries by names. */
+    public interface NameGuard {
+        /**
+         * Takes notice of the name of a library, or of a law in it.
+         *
+         * @throws PhysicsException if the library may not use it
+         */
+        void check(String name, Path file, byte[] library);
+    }
+
+    private int load(long frame, PreparedLibrary prepared, Map<String, Double> parameters,
+            Consumer<String> names) {
         String library = prepared.name();
         String sha256 = prepared.sha256();
         Quarantined reason = quarantined.get(sha256);
@@ -54,7 +86,15 @@ public final class Laws {
             throw new PhysicsException(reason.status(), "law library '" + library
                 + "' is in quarantine since frame " + reason.frame() + ": " + reason.message());
         }
+        names.accept(library);
         int id = engine.loadPhysicsLaw(prepared, parameters);
+        try {
+            engine.laws().stream().filter(law -> law.libraryId() == id).map(PhysicsLaw::name)
+                .forEach(names);
+        } catch (PhysicsException refused) {
+            engine.unloadPhysicsLaw(id);
+            throw refused;
+        }
         LawLibrary added = LawLibrary.of(prepared, parameters);
         loaded.put(id, added);
         version++;

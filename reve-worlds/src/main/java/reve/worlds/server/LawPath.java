@@ -123,6 +123,22 @@ public record LawPath(Path shipped, Optional<Path> folder, Optional<Path> world,
     }
 
     /**
+     * Refuses a name that a library gives itself, or a law in it, if that is the name of a law that
+     * ships: whoever reads it would take one for the other.
+     *
+     * @param library bytes of the file; what ships, and its copies, bear their names
+     * @throws PhysicsException naming both files
+     */
+    void requireOwnName(String name, Path file, byte[] library) {
+        Path ships = shipped.resolve(PREFIX + name + SUFFIX);
+        if (NAME.matcher(name).matches() && Files.exists(ships) && !holds(shipped, library)) {
+            throw new PhysicsException(Status.ALREADY_EXISTS, file.toAbsolutePath()
+                    + " calls itself '" + name + "', which is the law that ships as "
+                    + ships.toAbsolutePath() + "; give it a name of its own");
+        }
+    }
+
+    /**
      * Refuses a library of a store or a recording that is neither trusted nor one that the operator
      * has, nor one that shipped when this account stored a world.
      *

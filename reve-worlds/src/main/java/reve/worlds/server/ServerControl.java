@@ -63,7 +63,8 @@ final class ServerControl implements WorldControl, AutoCloseable {
                     "\"" + library + "\" is no name of a library: letters, digits and _ only");
         }
         try {
-            return new Load(simulation.prepare(library), parameters);
+            return new Load(simulation.prepare(library), parameters,
+                    simulation.fileOf(library));
         } catch (PhysicsException failed) {
             LOG.warn("the law library {} was asked for and refused: {}", library,
                     failed.getMessage());
@@ -190,16 +191,18 @@ final class ServerControl implements WorldControl, AutoCloseable {
     private final class Load implements Change {
         private final PreparedLibrary prepared;
         private final Map<String, Double> parameters;
+        private final Path file;
 
-        Load(PreparedLibrary prepared, Map<String, Double> parameters) {
+        Load(PreparedLibrary prepared, Map<String, Double> parameters, Path file) {
             this.prepared = prepared;
+            this.file = file;
             this.parameters = parameters;
         }
 
         @Override
         public void make(World world, long frame) throws ActionRefused {
             try (prepared) {
-                simulation.physics().laws().load(frame, prepared, parameters);
+                simulation.physics().laws().load(frame, prepared, parameters, file);
             } catch (PhysicsException refused) {
                 throw refusal(refused);
             }

@@ -110,6 +110,7 @@ public final class Simulation implements AutoCloseable {
             engine = closing.add(new VesperEngine(config(), PropertyNames.prototype(
                     world.prototype(), VesperEngine.standardPrototype(world.prototype().name()))));
             physics = closing.add(new PhysicsAdapter(world, engine, arena));
+            physics.laws().guardNames(lawPath::requireOwnName);
             snapshots = new SnapshotRing(world, SNAPSHOT_SLOTS);
             rules = new Rules(world, description.rules());
             loop = new FrameLoop(world, bus, description.timing(), pacing);
@@ -171,7 +172,7 @@ public final class Simulation implements AutoCloseable {
             LawPath.Found found = lawPath.find(law.name());
             lawPath.hidden(law.name(), found).ifPresent(LOG::warn);
             try (PreparedLibrary prepared = lawPath.prepare(engine, law.name(), found)) {
-                int id = physics.laws().load(0, prepared, law.parameters());
+                int id = physics.laws().load(0, prepared, law.parameters(), found.file());
                 if (found.origin() == LawPath.Origin.FOLDER) {
                     physics.laws().leaveToFolder(id);
                 }
@@ -194,6 +195,11 @@ public final class Simulation implements AutoCloseable {
      */
     PreparedLibrary prepare(String law) {
         return lawPath.prepare(engine, law, lawPath.find(law));
+    }
+
+    /** Where the library of a law is; as {@link #prepare}. */
+    Path fileOf(String law) {
+        return lawPath.find(law).file();
     }
 
     private void publish(FrameEvent frame) {
