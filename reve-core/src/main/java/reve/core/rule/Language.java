@@ -66,6 +66,8 @@ final class Language {
     private static final Pattern INPUT =
             Pattern.compile("(?:mismatched|extraneous) input '(.*?)' expecting.*"
                     + "|token recognition error at: '(.*)'");
+    /** What CEL says of {@code has(semantic.note)} where note is declared. */
+    private static final String NO_FIELD = "expression does not select a field";
     private static final Pattern NO_OVERLOAD = Pattern.compile(
             "found no matching overload for '(.*)' applied to '(.*)'( \\(candidates.*)?");
 
@@ -134,6 +136,10 @@ final class Language {
     }
 
     private String message(String issue) {
+        if (issue.equals(NO_FIELD)) {
+            return "`has(…)` found a declared name, expected a symbol that is not declared;"
+                    + " write `'note' in semantic` for a declared symbol `note`";
+        }
         Matcher undefined = UNDEFINED.matcher(issue);
         if (undefined.matches()) {
             return "unknown name `" + undefined.group(1) + "`; known here: " + fieldsOfLastStruct;

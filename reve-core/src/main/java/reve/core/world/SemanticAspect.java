@@ -42,6 +42,10 @@ public final class SemanticAspect {
      */
     public static Object requireSettable(WorldPrototype prototype, String item, String symbol,
             Object value) {
+        if (symbol.equals(ItemSymbols.CLASS) && !(value instanceof String)) {
+            throw new IllegalArgumentException("item " + item + ": class is " + value
+                    + ", expected a text such as \"toy\"");
+        }
         return Values.requireSymbol(prototype, item, symbol, value);
     }
 

@@ -161,6 +161,8 @@ class SessionsTest {
         "duck | physical.colour | 'red' | edit-refused | "
                 + "item duck: colour \"red\": expected #rrggbb",
         "duck | semantic.name | 'swan' | edit-refused | name",
+        "duck | semantic.class | 1 | edit-refused | item duck: class is 1.0, expected a text such "
+                + "as \"toy\"",
         "duck | semantic.a: {b} | 'x' | edit-refused | \"a: {b}\" is no name of a symbol",
         "duck | physical.location | [1e308,0,0] | out-of-range | item duck: location is 1.0E308; "
                 + "an action or an edit sets 0 or a magnitude from 1.0E-100 to 1.0E100",

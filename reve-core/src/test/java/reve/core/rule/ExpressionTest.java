@@ -72,6 +72,8 @@ class ExpressionTest {
         "physics.velocity.exists(v, v > 3.5)           | true",
         "physics.velocity.map(v, v * v)                | [9.0, 0.0, 16.0]",
         "has(semantic.torn) ? 'torn' : item.name       | ball",
+        "'limit' in semantic                           | true",
+        "'torn' in semantic                            | false",
         "physical.colour == '#ccccccff'                | true",
         "physics.mass == 2 && 3 != physics.mass         | true",
         "item.name.matches('^b[a-z]{3}$')              | true",
@@ -105,6 +107,7 @@ class ExpressionTest {
         "getHours()                  | 8  | `getHours` does not go with ()",
         "timestamp('2020-01-01')     | 9  | unknown name `timestamp`",
         "actor.name                  | 0  | unknown name `actor`",
+        "has(semantic.limit)         | 3  | write `'note' in semantic` for a declared symbol",
         "{'a': 1}                    | 0  | gives a map",
         "physics                     | 0  | gives a physics",
         "physics.velocity[3] > 0     | 17 | there is no [3]: `physics.velocity` has components: 3,"
