@@ -76,9 +76,11 @@ public final class CommandQueue {
             waiting.decrementAndGet();
             taken.add(command);
         }
-        waiting.addAndGet(-postponed.size());
-        taken.addAll(postponed);
-        postponed.clear();
+        if (!postponed.isEmpty()) { // addAll allocates for an empty list, too
+            waiting.addAndGet(-postponed.size());
+            taken.addAll(postponed);
+            postponed.clear();
+        }
         taken.sort(ORDER);
     }
 
