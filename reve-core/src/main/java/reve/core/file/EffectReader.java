@@ -29,7 +29,7 @@ final class EffectReader {
             "item", List.of("impulse", "force", "set", "symbol", "attach", "detach", "remove"));
     /** What the server itself tells agents, and those who start it and read its output. */
     private static final List<String> OWN_EVENTS = List.of("joined", "left", "acted",
-            "law-loaded", "law-unloaded", "fault", "missed", "ready", "snapshot",
+            "law-loaded", "law-unloaded", "fault", "missed", "waiting", "ready", "snapshot",
             "snapshot-failed", "end");
     private static final List<String> OWN_FIELDS = List.of("item", "action", "actor");
     private static final String PHYSICAL = "physical.";

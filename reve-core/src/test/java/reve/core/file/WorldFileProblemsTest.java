@@ -238,12 +238,12 @@ class WorldFileProblemsTest {
     /** What the server and the tools that read its events say themselves. */
     @ParameterizedTest
     @ValueSource(strings = {"joined", "left", "acted", "law-loaded", "law-unloaded", "fault",
-        "missed", "ready", "snapshot", "snapshot-failed", "end"})
+        "missed", "waiting", "ready", "snapshot", "snapshot-failed", "end"})
     void refusesToRaiseAnEventOfTheServers(String event) {
         assertThat(problems("reve: 1\nname: w\nitems:\n- name: one\n  access: {push: {effects: "
                 + "[{raise: " + event + "}]}}")).containsExactly("w:5:37: raise: the event "
                         + event + " is the server's own; choose a name other than joined, left, "
-                        + "acted, law-loaded, law-unloaded, fault, missed, ready, "
+                        + "acted, law-loaded, law-unloaded, fault, missed, waiting, ready, "
                         + "snapshot, snapshot-failed and end");
     }
 
