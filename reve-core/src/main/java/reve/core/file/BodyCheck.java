@@ -19,8 +19,8 @@ import reve.core.world.WorldPrototype;
 
 /** Checks what the values of an item mean together, once each of them is right. */
 final class BodyCheck {
-    /** Farthest place on an axis [m]; the squares of distances are still numbers. */
-    static final double MAX_PLACE = 1e150;
+    /** Farthest place on an axis [m]; the cubes of distances are still numbers. */
+    static final double MAX_PLACE = 1e100;
     /** Longest time that a force acts [s]; its frames can be counted at every rate. */
     static final double MAX_FORCE_SECONDS = Forces.MAX_FRAMES / 10_000;
     private static final String MASS = "mass";
@@ -43,7 +43,6 @@ final class BodyCheck {
         if (!item.kind().equals(WorldPrototype.BODY)) {
             return;
         }
-        checkPlace(find(node, "physical", "location"), item.location());
         if (item.material().isPresent() && item.shape() == Shape.none()) {
             doubts.refuse(find(node, "physical", "material"), "material: the item has no `shape` "
                     + "that could show it; give it one, or leave the material out", problems);

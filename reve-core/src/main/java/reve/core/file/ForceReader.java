@@ -17,19 +17,20 @@ final class ForceReader {
     private final ItemNames names;
     private final List<ItemDefinition> items;
     private final ScalarType real;
+    private final PhysicsReader physics;
     private final Doubts doubts;
     private final Problems problems;
     private final Quantities quantities;
 
     /**
      * @param items those of the file, without those that have a problem
-     * @param real type of the world's reals, which a force must fit
      */
-    ForceReader(ItemNames names, List<ItemDefinition> items, ScalarType real, Doubts doubts,
-            Problems problems) {
+    ForceReader(ItemNames names, List<ItemDefinition> items, PhysicsReader physics,
+            Doubts doubts, Problems problems) {
+        this.physics = physics;
         this.names = names;
         this.items = items;
-        this.real = real;
+        this.real = physics.prototype().realType();
         this.doubts = doubts;
         this.problems = problems;
         this.quantities = new Quantities(problems);
@@ -70,7 +71,7 @@ final class ForceReader {
                 problems.add(force, "force: " + Arrays.toString(newtons)
                         + " N is not within the range of a 32-bit real; use prototype si-f64");
             }
-            return fits;
+            return fits && physics.isWorkable(force, newtons);
         });
     }
 }

@@ -126,16 +126,20 @@ final class PhysicalReader {
 
     private Optional<Shape> form(String name, Node aspect) {
         return switch (name) {
-            case "sphere" -> aspect.get("radius").flatMap(node -> quantities.number(node, METRE))
-                    .map(Shape::sphere);
-            case "box" -> aspect.get("size").flatMap(node -> quantities.numbers(node, 3, METRE))
+            case "sphere" -> lengths(aspect, "radius", 1).map(radius -> Shape.sphere(radius[0]));
+            case "box" -> lengths(aspect, "size", 3)
                     .map(size -> Shape.box(size[0], size[1], size[2]));
-            case "plane" -> aspect.get("size").flatMap(node -> quantities.numbers(node, 2, METRE))
+            case "plane" -> lengths(aspect, "size", 2)
                     .map(size -> Shape.plane(size[0], size[1]));
             default -> aspect.get("file").isPresent() ? file(aspect.get("file").get())
                     : mesh(aspect.get("vertices").orElseThrow(),
                             aspect.get("triangles").orElseThrow());
         };
+    }
+
+    private Optional<double[]> lengths(Node aspect, String key, int count) {
+        return aspect.get(key).flatMap(node -> quantities.numbers(node, count, METRE)
+                .filter(metres -> physics.isWorkable(node, metres)));
     }
 
     private Optional<Shape> file(Node node) {

@@ -14,13 +14,19 @@ import reve.core.world.WorldPrototype;
 
 /** Reads physics aspects; the prototype says which properties there are, of which type and unit. */
 final class PhysicsReader {
+    /** The least number above 0 that a designer may state, in SI units. */
+    private static final double LEAST = 1e-100;
+
     private final WorldPrototype prototype;
     private final Set<String> misdeclared;
+    private final Doubts doubts;
     private final Problems problems;
     private final Quantities quantities;
 
     /** @param misdeclared names of properties whose declaration was refused: say no more of them */
-    PhysicsReader(WorldPrototype prototype, Set<String> misdeclared, Problems problems) {
+    PhysicsReader(WorldPrototype prototype, Set<String> misdeclared, Doubts doubts,
+            Problems problems) {
+        this.doubts = doubts;
         this.prototype = prototype;
         this.misdeclared = misdeclared;
         this.problems = problems;
@@ -157,6 +163,23 @@ final class PhysicsReader {
             if (type == ScalarType.F32 && value != 0 && (float) value == 0) {
                 problems.add(node, node.label() + ": " + value
                         + " would become 0 as a 32-bit real; use prototype si-f64");
+                return false;
+            }
+        }
+        return type != ScalarType.F64 || isWorkable(node, values);
+    }
+
+    /** Whether physics can work with numbers; a problem is noted if not. */
+    boolean isWorkable(Node node, double... values) {
+        for (double value : values) {
+            if (!ScalarType.F64.takes(value)) {
+                doubts.refuse(node, node.label() + ": " + value + " is beyond 1e100; its powers "
+                        + "would be no numbers, so expected a smaller one", problems);
+                return doubts != Doubts.REFUSED;
+            }
+            if (value != 0 && Math.abs(value) < LEAST && doubts == Doubts.REFUSED) {
+                problems.add(node, node.label() + ": " + value + " is nearer to 0 than 1e-100; "
+                        + "its powers would be 0, so expected 0 or a larger one");
                 return false;
             }
         }

@@ -93,7 +93,7 @@ public final class WorldFile {
         var problems = new Problems(name);
         Node item = YamlReader.readKept(text, problems);
         SchemaCheck.checkItem(item, problems);
-        var physics = new PhysicsReader(prototype, Set.of(), problems);
+        var physics = new PhysicsReader(prototype, Set.of(), Doubts.IGNORED, problems);
         Optional<ItemDefinition> read =
                 new ItemReader(prototype, physics, assets, (node, path) -> path, node -> node,
                         Doubts.IGNORED, problems).readAlone(item);

@@ -35,18 +35,19 @@ final class WorldReader {
         var ruleReader = new RuleReader(problems);
         WorldPrototype prototype = ruleReader.readSymbols(source.named("symbols"),
                 prototypeReader.read(root, source.all("properties")));
-        var physics = new PhysicsReader(prototype, prototypeReader.misdeclared(), problems);
         var expansion = new Expansion(source, problems);
         long age = wholeNumber(root.get("frame"), "age", 0);
         Doubts doubts = Doubts.of(age > 0);
+        var physics =
+                new PhysicsReader(prototype, prototypeReader.misdeclared(), doubts, problems);
         var itemReader =
                 new ItemReader(prototype, physics, assets, source.files()::pathOf,
                         expansion::complete, doubts, problems);
         List<ItemDefinition> items = itemReader.readAll(source.all("items"), expansion);
-        var forceReader = new ForceReader(itemReader.names(), items, prototype.realType(),
-                doubts, problems);
+        var forceReader =
+                new ForceReader(itemReader.names(), items, physics, doubts, problems);
         List<LastingForce> forces = root.get("forces").map(forceReader::readAll).orElse(List.of());
-        List<LawReference> laws = laws(source.all("laws"));
+        List<LawReference> laws = laws(source.all("laws"), physics);
         Map<String, List<Double>> constants = physics.constants(source.each("constants"));
         Optional<CameraDescription> camera = root.get("camera").flatMap(this::camera);
         AgentPolicy agents = root.get("agents").isEmpty() ? AgentPolicy.none()
@@ -80,7 +81,7 @@ final class WorldReader {
                 .map(Double::longValue).orElse(otherwise);
     }
 
-    private List<LawReference> laws(List<Node> nodes) {
+    private List<LawReference> laws(List<Node> nodes, PhysicsReader physics) {
         List<LawReference> laws = new ArrayList<>();
         Map<String, Node> byName = new HashMap<>();
         for (Node node : nodes) {
@@ -93,21 +94,22 @@ final class WorldReader {
                 }
                 VisibleName.fault(name).ifPresent(fault -> problems.add(nameNode.get(),
                         "law `" + Node.shorten(name) + "` " + fault));
-                laws.add(law(name, node, Problems.place(nameNode.get())));
+                laws.add(law(name, node, Problems.place(nameNode.get()), physics));
             });
         }
         return laws;
     }
 
     /** Which parameters a law has, only the law knows; here they become numbers in SI units. */
-    private LawReference law(String name, Node law, String place) {
+    private LawReference law(String name, Node law, String place, PhysicsReader physics) {
         Map<String, Double> values = new LinkedHashMap<>();
         Map<String, LawReference.Mention> mentions = new LinkedHashMap<>();
         for (Node node : law.get("parameters").map(Node::children).orElse(List.of())) {
             if (problems.full()) {
                 break;
             }
-            quantities.quantity(node).ifPresent(quantity -> {
+            quantities.quantity(node).filter(read -> physics.isWorkable(node, read.value()))
+                    .ifPresent(quantity -> {
                 values.put(node.key(), quantity.value());
                 mentions.put(node.key(),
                         new LawReference.Mention(Problems.keyPlace(node), quantity.unit()));

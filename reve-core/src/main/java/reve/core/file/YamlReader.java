@@ -95,7 +95,7 @@ final class YamlReader {
                 reader.take(events.next());
             }
         } catch (NumberFormatException escape) {
-            throw reader.noCharacter(reader.taken);
+            throw reader.fatal(reader.noCharacter(reader.taken));
         } catch (MarkedYamlEngineException syntax) {
             throw reader.notYaml(syntax);
         } catch (ReaderException unprintable) {
@@ -184,7 +184,8 @@ final class YamlReader {
                     + " characters; at most " + MAX_TEXT_LENGTH + " are allowed");
         }
         if (!kept && Escapes.hasHalf(text)) {
-            throw noCharacter(scalar.getStartMark());
+            Problem half = noCharacter(scalar.getStartMark());
+            problems.add(half.line(), half.column(), pointerOfNext(), half.message());
         }
         if (awaitsKey()) {
             Mark mark = scalar.getStartMark().orElseThrow();
@@ -312,15 +313,18 @@ final class YamlReader {
     }
 
     /** Blames the first escape from there on that stands for no character. */
-    private WorldFileException noCharacter(Optional<Mark> from) {
+    private Problem noCharacter(Optional<Mark> from) {
         Optional<Escapes.Wrong> wrong = Escapes.find(text, offset(from));
-        if (wrong.isEmpty()) {
-            return fatal(from, "not valid YAML: an escape in double quotes, such as `\\u00e9`, "
-                    + "stands for no character");
-        }
-        String before = text.substring(0, wrong.get().offset());
-        return problems.fatal(1 + (int) before.chars().filter(c -> c == '\n').count(),
-                before.length() - before.lastIndexOf('\n'), wrong.get().message());
+        String before = text.substring(0, wrong.map(Escapes.Wrong::offset).orElse(offset(from)));
+        return new Problem(Problem.Severity.ERROR, problems.file(),
+                1 + (int) before.chars().filter(c -> c == '\n').count(),
+                before.length() - before.lastIndexOf('\n'), "",
+                wrong.map(Escapes.Wrong::message).orElse("not valid YAML: an escape in double "
+                        + "quotes, such as `\\u00e9`, stands for no character"));
+    }
+
+    private WorldFileException fatal(Problem problem) {
+        return problems.fatal(problem.line(), problem.column(), problem.message());
     }
 
     private int offset(Optional<Mark> mark) {
@@ -334,7 +338,7 @@ final class YamlReader {
         int column = syntax.getProblemMark().map(Mark::getColumn).orElse(0) + 1;
         if (syntax.getProblem().startsWith("found unknown escape character")
                 && Escapes.find(text, offset(syntax.getContextMark())).isPresent()) {
-            return noCharacter(syntax.getContextMark());
+            return fatal(noCharacter(syntax.getContextMark()));
         }
         Optional<Unclosed.Opening> opening = Unclosed.find(text, line, column);
         if (opening.isEmpty()) {

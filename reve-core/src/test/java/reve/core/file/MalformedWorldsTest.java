@@ -255,7 +255,7 @@ class MalformedWorldsTest {
     void aWorldThatRanIsOnlyWarnedOf() throws WorldFileException {
         WorldDescription world = WorldFile.parse("w", ("reve: 1\nname: w\nframe: {age: 9}\nitems:\n"
                 + "- {name: a, physical: {location: [1e200, 0, 0]}, "
-                + "physics: {inertia: [1, 1, 9]}}\n"
+                + "physics: {inertia: [1, 1, 9], velocity: [1e-320, 0, 0]}}\n"
                 + "forces: [{item: a, force: [1, 0, 0], frames: 3}]\n")
                 .getBytes(StandardCharsets.UTF_8));
         assertThat(world.warnings()).extracting(Problem::line).containsExactly(5, 5, 6);

@@ -26,9 +26,11 @@ class MutatedFilesTest {
     /** What a message takes from the file. */
     private static final Pattern QUOTED = Pattern.compile("`[^`]*`|\"[^\"]*\"");
     private static final List<String> PIECES = List.of("\"", "'", "\\", "\"\\UFFFFFFFF\"",
-            "\\uD800", "\\x", "\\u00e9", "\0", "\u0001", "\u0085", "\u2028", "\ufeff", "\ud83d\ude00",
+            "\\uD800", "\\x", "\\u00e9", "\0", "\u0001", "\u0085", "\u2028", "\ufeff",
+            "\ud83d\ude00",
             "\t", "\n", "\r", "\n  ", "\n- ", " ", ": ", ":", ", ", "- ", "? ", "# ", "| ", "|9\n",
-            ">-\n", "[", "]", "{", "}", "[[", "{{", "&a ", "*a", "!a ", "!<%FF>", "!!", "%", "%YAML 9.9",
+            ">-\n", "[", "]", "{", "}", "[[", "{{", "&a ", "*a", "!a ", "!<%FF>", "!!", "%",
+            "%YAML 9.9",
             "---\n", "...\n", "@", "`", "~", "null", "Null", "true", ".nan", "-.inf", "1e999",
             "-1e-320", "0x", "0o", "0xFFFFFFFFFFFFFFFFFF", "9".repeat(40), "1_000", "2001-01-01",
             "1 m", "1 m^9999", "1 kg*", "°C", "{i}", "{1/0}", "{", "$", "$x", "$1/0", "${",
@@ -57,7 +59,8 @@ class MutatedFilesTest {
             } catch (WorldFileException invalid) {
                 refused++;
                 for (Problem problem : invalid.problems()) {
-                    assertThat(QUOTED.matcher(problem.toString()).replaceAll("")).as("seed %d, mutant %d%n%s", seed, i, text)
+                    assertThat(QUOTED.matcher(problem.toString()).replaceAll(""))
+                            .as("seed %d, mutant %d%n%s", seed, i, text)
                             .doesNotContainPattern(INNARDS)
                             .doesNotContainPattern("[\\p{Cc}\\p{Zl}\\p{Zp}]");
                 }

@@ -232,7 +232,8 @@ class WorldFileProblemsTest {
                     split: {effects: [{symbol: note, to: "\\uD800"}]}
                 """.formatted("x".repeat(5000)))).containsExactly(
                 "w:6:42: item one: note has 5000 characters, at most 4096 are allowed",
-                "w:7:42: item one: note is no Unicode: it holds half of a surrogate pair");
+                "w:7:43: `\\uD800` is half a character; write the character itself, or "
+                        + "both halves, as in `\\uD83D\\uDE00`");
     }
 
     /** What the server and the tools that read its events say themselves. */
