@@ -259,7 +259,7 @@ def run_attack(attack, port, me):
 
 
 class Innocent(threading.Thread):
-    """An agent that perceives; keeps the times of its perceptions, and the end of its connection."""
+    """An agent that perceives; keeps the times of its perceptions, and why its connection ended."""
 
     def __init__(self, port, name, pause=0.0, **hello):
         super().__init__(daemon=True, name=name)
@@ -289,8 +289,10 @@ class Innocent(threading.Thread):
             self.times.append(time.monotonic())
             if self.in_lock_step:
                 self.client.send({"t": "ready"})
-        elif kind == "event" and message.get("type") == "fault":
-            self.quarantined.add(message.get("library", message.get("source", "?")))
+        elif kind == "event" and message["type"] == "fault":
+            fields = message["fields"]
+            if "library" in fields and not fields.get("arrested"):
+                self.quarantined.add(fields["library"])
         elif kind == "bye":
             self.ended = message.get("code")
 

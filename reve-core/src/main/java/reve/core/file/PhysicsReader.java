@@ -14,9 +14,6 @@ import reve.core.world.WorldPrototype;
 
 /** Reads physics aspects; the prototype says which properties there are, of which type and unit. */
 final class PhysicsReader {
-    /** The least number above 0 that a designer may state, in SI units. */
-    private static final double LEAST = 1e-100;
-
     private final WorldPrototype prototype;
     private final Set<String> misdeclared;
     private final Doubts doubts;
@@ -172,12 +169,12 @@ final class PhysicsReader {
     /** Whether physics can work with numbers; a problem is noted if not. */
     boolean isWorkable(Node node, double... values) {
         for (double value : values) {
-            if (!ScalarType.F64.takes(value)) {
+            if (Math.abs(value) > ScalarType.MAX_F64) {
                 doubts.refuse(node, node.label() + ": " + value + " is beyond 1e100; its powers "
                         + "would be no numbers, so expected a smaller one", problems);
                 return doubts != Doubts.REFUSED;
             }
-            if (value != 0 && Math.abs(value) < LEAST && doubts == Doubts.REFUSED) {
+            if (value != 0 && Math.abs(value) < ScalarType.MIN_F64 && doubts == Doubts.REFUSED) {
                 problems.add(node, node.label() + ": " + value + " is nearer to 0 than 1e-100; "
                         + "its powers would be 0, so expected 0 or a larger one");
                 return false;

@@ -11,9 +11,11 @@ public enum ScalarType {
     /** The {@link ItemId} of another item; 0 means none. */
     REF(Long.BYTES);
 
-    /** Bounds of magnitudes that actions and edits may set, in the unit of the property. */
-    private static final double MAX_F64 = 1e100;
-    private static final double MIN_F64 = 1e-100;
+    /**
+     * Bounds of magnitudes that files, actions and edits may set, in the unit of the property.
+     */
+    public static final double MAX_F64 = 1e100;
+    public static final double MIN_F64 = 1e-100;
     private static final double MAX_F32 = 1e30;
     private static final double MIN_F32 = 1e-35;
 
