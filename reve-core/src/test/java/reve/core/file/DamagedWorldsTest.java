@@ -10,23 +10,23 @@ import java.util.List;
 import java.util.Map;
 import java.util.Random;
 import org.junit.jupiter.api.Test;
-import reve.core.Seed;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
 
 /**
  * Worlds of the project in which keys and values of all types are where they do not belong: refused
- * with places and reasons, or right and buildable. The seed is printed; give it back with
- * {@code -Dreve.test.seed=N}.
+ * with places and reasons, or right and buildable. Some 94 % are refused, and a check that
+ * refused more would refuse what is right. The seed is fixed, so that the bound may be near;
+ * {@code -Dreve.test.seed=N} gives others.
  */
 class DamagedWorldsTest {
-    private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 300);
+    private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 600);
     /** Larger ones would say nothing new, slowly. */
     private static final int MAX_LENGTH = 6000;
 
     @Test
     void damageIsToldWithItsPlaceOrDoesNotKeepAWorldFromBeingBuilt() throws IOException {
-        long seed = Seed.of("damage");
+        long seed = Long.getLong("reve.test.seed", 1);
         var random = new Random(seed);
         List<Object> worlds = new ArrayList<>();
         for (Object world : WorldTrees.worlds().values()) {
@@ -49,7 +49,7 @@ class DamagedWorldsTest {
                 fail("seed " + seed + ", mutant " + i + "\n" + text, crash);
             }
         }
-        assertThat(refused).as("seed %d", seed).isBetween(MUTANTS / 4, MUTANTS * 49 / 50);
+        assertThat(refused).as("seed %d", seed).isBetween(MUTANTS / 4, MUTANTS * 19 / 20);
     }
 
     private static boolean isRight(Object world) {
