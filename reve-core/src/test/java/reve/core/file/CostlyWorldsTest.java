@@ -77,9 +77,8 @@ class CostlyWorldsTest {
     @Test
     void actionsAndSymbolsOfAPrefabAreReadOnce() throws WorldFileException {
         String prefab = START + "prefabs:\n  p:\n    physics: {mass: 0}\n"
-                + "    semantic: {a: [1, 2]}\n    "
-                + "physical: {shape: mesh, vertices: [[0,0,0],[1,0,0],[0,1,0]], "
-                + "triangles: [[0,1,2]]}\n    access:\n"
+                + "    semantic: {a: [1, 2]}\n    physical: {shape: mesh, "
+                + "vertices: [[0,0,0],[1,0,0],[0,1,0]], triangles: [[0,1,2]]}\n    access:\n"
                 + times(300, i -> "      a" + i + ": {effects: [{impulse: [1, 0, 0]}]}\n");
         for (String items : List.of("- {name: 'b{i}', like: p, repeat: 50}\n",
                 times(50, i -> "- {name: b" + i + ", like: p, physics: {charge: " + i + "}}\n"))) {
