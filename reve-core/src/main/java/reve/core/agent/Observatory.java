@@ -45,6 +45,12 @@ final class Observatory {
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
+    /** Names by item and relation, as far as somebody has asked for them in this frame. */
+    private final Map<ItemId, Map<String, Optional<List<String>>>> relations = new HashMap<>();
+    /** All there is, with relations; null if nobody has asked for them in this frame. */
+    private @Nullable View everythingRelated;
+    /** The items of the last one, in the order of ids. */
+    private List<Seen> related = List.of();
 
     // By the place in the order of ids.
     private long[] inOrder = {};
@@ -73,6 +79,8 @@ final class Observatory {
      * @return false if the snapshot was lost meanwhile; then nothing here is to be used
      */
     boolean read(WorldSnapshot snapshot) {
+        relations.clear();
+        everythingRelated = null;
         try {
             TableSnapshot table = snapshot.table(WorldPrototype.BODY);
             boolean others = snapshot.symbols() != symbols;
@@ -184,17 +192,20 @@ final class Observatory {
      * @return empty if the snapshot was lost meanwhile
      */
     Optional<View> withRelations(View view, WorldSnapshot snapshot) {
+        if (view == everything && everythingRelated != null) {
+            return Optional.of(everythingRelated);
+        }
         try {
-            var items = new ArrayList<Seen>(view.items().size());
-            var names = new HashSet<String>();
-            view.items().forEach(seen -> names.add(seen.name()));
-            Relations relations = snapshot.relations();
-            for (Seen seen : view.items()) {
-                items.add(seen.shown().has(Sensor.Aspect.SEMANTIC)
-                        ? seen.with(relationsOf(seen, relations, names)) : seen);
+            List<Seen> items = relate(view, snapshot.relations());
+            if (snapshot.lost()) {
+                return Optional.empty();
             }
-            View related = new View(view.frame(), view.time(), List.copyOf(items));
-            return snapshot.lost() ? Optional.empty() : Optional.of(related);
+            View told = new View(view.frame(), view.time(), items);
+            if (view == everything) {
+                related = items;
+                everythingRelated = told;
+            }
+            return Optional.of(told);
         } catch (RuntimeException e) {
             if (snapshot.lost()) {
                 return Optional.empty();
@@ -203,13 +214,33 @@ final class Observatory {
         }
     }
 
-    private static Map<String, List<String>> relationsOf(Seen seen, Relations relations,
+    private List<Seen> relate(View view, Relations world) {
+        var names = new HashSet<String>();
+        view.items().forEach(seen -> names.add(seen.name()));
+        var items = new ArrayList<Seen>(view.items().size());
+        int before = 0;
+        for (Seen seen : view.items()) {
+            Seen now = seen.shown().has(Sensor.Aspect.SEMANTIC)
+                    ? seen.with(relationsOf(seen, world, names)) : seen;
+            while (before < related.size() && related.get(before).id().compareTo(seen.id()) < 0) {
+                before++;
+            }
+            items.add(before < related.size() && related.get(before).isSame(now)
+                    ? related.get(before) : now);
+        }
+        return List.copyOf(items);
+    }
+
+    private Map<String, List<String>> relationsOf(Seen seen, Relations world,
             Set<String> perceived) {
         var all = new LinkedHashMap<String, List<String>>();
+        Map<String, Optional<List<String>>> known =
+                relations.computeIfAbsent(seen.id(), item -> new HashMap<>());
         for (String relation : RELATIONS) {
             if (seen.shown().symbols().map(names -> names.contains(relation)).orElse(true)) {
-                relations.of(seen.id(), relation).ifPresent(names ->
-                        all.put(relation, names.stream().filter(perceived::contains).toList()));
+                known.computeIfAbsent(relation, name -> world.of(seen.id(), name)).ifPresent(
+                        names -> all.put(relation, perceived.containsAll(names) ? names
+                                : names.stream().filter(perceived::contains).toList()));
             }
         }
         return all;

@@ -67,6 +67,12 @@ final class Seen {
         return item.source().name();
     }
 
+    /** The same in all that is told of it. */
+    boolean isSame(Seen other) {
+        return item == other.item && place == other.place && shown.equals(other.shown)
+                && relations.equals(other.relations);
+    }
+
     /** Another item, or one of which something else is perceived: it is told as if new. */
     boolean isNewTo(Seen before) {
         return !name().equals(before.name()) || !shown.equals(before.shown)

@@ -71,6 +71,44 @@ class ObservatoryTest {
     }
 
     @Test
+    void relationsAreWorkedOutOnceInAFrameAndUnchangedItemsStayTheSame() {
+        try (var arena = new OffHeapArena()) {
+            World world = new World("test", WorldPrototype.standard("si-f64"), arena);
+            Item table = world.add(
+                    ItemDefinition.named("table").shape(Shape.box(1, 1, 1)).build());
+            Item cup = world.add(ItemDefinition.named("cup").shape(Shape.box(0.1, 0.1, 0.1))
+                    .at(0, 0.55, 0).build());
+            world.add(ItemDefinition.named("tree").shape(Shape.box(1, 4, 1)).at(9, 2, 0).build());
+            var boxes = new BoundingBoxes();
+            var ring = new SnapshotRing(world, 2);
+            var observatory = new Observatory();
+            List<Seen> first = related(observatory, world, boxes, ring, 1);
+            assertThat(related(observatory, world, boxes, ring, 2)).isEqualTo(first);
+            cup.physical().setLocation(3, 0.05, 0);
+            List<Seen> moved = related(observatory, world, boxes, ring, 3);
+            assertThat(moved.getFirst().id()).isEqualTo(table.id());
+            assertThat(moved.getFirst()).as("nothing is on it any more").isNotSameAs(
+                    first.getFirst());
+            assertThat(moved.getFirst().relations().get("near")).isEmpty();
+            assertThat(moved.get(1)).isNotSameAs(first.get(1));
+            assertThat(moved.get(2)).as("the tree").isSameAs(first.get(2));
+        }
+    }
+
+    private static List<Seen> related(Observatory observatory, World world, BoundingBoxes boxes,
+            SnapshotRing ring, long frame) {
+        boxes.update(world);
+        ring.publish(frame, 0.1 * frame);
+        try (var snapshot = ring.acquireLatest().orElseThrow()) {
+            assertThat(observatory.read(snapshot)).isTrue();
+            View view = observatory.withRelations(observatory.everything(), snapshot).orElseThrow();
+            assertThat(observatory.withRelations(observatory.everything(), snapshot))
+                    .containsSame(view);
+            return view.items();
+        }
+    }
+
+    @Test
     void relationsAreToldToWhoAsksForThem() {
         assertThat(perceived(false).get(1).get("symbols").has("on")).isFalse();
 
