@@ -345,7 +345,7 @@ public final class Members {
         if (bodies.containsKey(join.agent())) {
             throw Ending.nameTaken(join.agent());
         }
-        if (bodies.size() >= policy.most()) {
+        if (bodies.size() >= Math.max(policy.most(), policy.bodies().size())) {
             throw Ending.refused("world-full", "world " + world.name() + " has " + bodies.size()
                     + " agents, which is all it takes", "try again when an agent has left");
         }

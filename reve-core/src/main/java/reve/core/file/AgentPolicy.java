@@ -18,7 +18,8 @@ import reve.core.world.ItemDefinition;
  * @param eventBytes most bytes of events in a second of world time that actions of one agent raise
  * @param worldEventBytes most bytes of events in a second of world time that actions of all agents
  *     raise
- * @param most most agents, those included whose connection broke and who may come back
+ * @param most most agents, those included whose connection broke and who may come back; never
+ *     fewer than bodies
  */
 public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template,
         List<Place> places, int items, int worldItems, int eventBytes, int worldEventBytes,
@@ -29,7 +30,7 @@ public record AgentPolicy(List<String> bodies, Optional<ItemDefinition> template
     /** Most items of all agents' making, unless the world file says otherwise. */
     public static final int DEFAULT_WORLD_ITEMS = 5000;
     /** Most agents, unless the world file says otherwise. */
-    public static final int DEFAULT_MOST = 2000;
+    public static final int DEFAULT_MOST = 256;
 
     /** Most bytes of events in a second of one agent's, unless the world file says otherwise. */
     public static final int DEFAULT_EVENT_BYTES = 16 * 1024;

@@ -43,10 +43,38 @@ public final class Relations {
         this.nameOf = nameOf;
     }
 
-    /** Two boxes, seen from the first. */
-    private record Pair(double[] low, double[] high, double[] otherLow, double[] otherHigh) {
+    /** Two boxes, seen from the first. The second one is read from one row after another. */
+    private static final class Pair {
+        private final ColumnView mins;
+        private final ColumnView maxs;
+        private final double[] low = new double[3];
+        private final double[] high = new double[3];
+        private final double diagonal;
+        private final double[] otherLow = new double[3];
+        private final double[] otherHigh = new double[3];
+        private double otherDiagonal;
+
+        Pair(TableView bodies, int row) {
+            mins = bodies.column("boundsMin");
+            maxs = bodies.column("boundsMax");
+            read(row, low, high);
+            diagonal = diagonal(low, high);
+        }
+
+        void with(int row) {
+            read(row, otherLow, otherHigh);
+            otherDiagonal = diagonal(otherLow, otherHigh);
+        }
+
+        private void read(int row, double[] lows, double[] highs) {
+            for (int axis = 0; axis < 3; axis++) {
+                lows[axis] = mins.getDouble(row, axis);
+                highs[axis] = maxs.getDouble(row, axis);
+            }
+        }
+
         double size() {
-            return Math.min(diagonal(low, high), diagonal(otherLow, otherHigh));
+            return Math.min(diagonal, otherDiagonal);
         }
 
         double gap() {
@@ -65,7 +93,7 @@ public final class Relations {
         }
 
         boolean isInside() {
-            boolean within = diagonal(low, high) < diagonal(otherLow, otherHigh);
+            boolean within = diagonal < otherDiagonal;
             for (int axis = 0; axis < 3; axis++) {
                 within &= low[axis] >= otherLow[axis] - TOLERANCE * size()
                         && high[axis] <= otherHigh[axis] + TOLERANCE * size();
@@ -82,6 +110,13 @@ public final class Relations {
             };
         }
 
+        /** A box that everything meets to which the relation may hold. */
+        Box reach(String relation) {
+            double by = diagonal * (relation.equals("near") ? 1 : TOLERANCE);
+            return new Box(low[0] - by, low[1] - by, low[2] - by,
+                    high[0] + by, high[1] + by, high[2] + by);
+        }
+
         private boolean overlaps(int axis) {
             return Math.min(high[axis], otherHigh[axis]) > Math.max(low[axis], otherLow[axis]);
         }
@@ -89,6 +124,9 @@ public final class Relations {
 
     /** One of the others, and how far away it is [m]. */
     private record Other(ItemId id, double gap) {}
+
+    private static final Comparator<Other> NEAREST =
+            Comparator.comparingDouble(Other::gap).thenComparing(Other::id);
 
     /**
      * Names of the items that an item is near, on, inside or touching: the smallest gap first, then
@@ -103,42 +141,24 @@ public final class Relations {
             throw new IllegalArgumentException(
                     "relation " + relation + ", expected one of " + new TreeSet<>(NAMES));
         }
+        ColumnView shapes = bodies.column("shape");
         int row = bodies.rowOf(item);
-        if (row < 0 || !hasShape(row)) {
+        if (row < 0 || shapes.getInt(row, 0) == Shape.NONE) {
             return Optional.empty();
         }
-        double[] low = corner("boundsMin", row);
-        double[] high = corner("boundsMax", row);
+        var pair = new Pair(bodies, row);
         List<Other> others = new ArrayList<>();
-        for (ItemId id : space.inBox(reach(low, high, relation))) {
+        for (ItemId id : space.inBox(pair.reach(relation))) {
             int other = bodies.rowOf(id);
-            if (!id.equals(item) && other >= 0 && hasShape(other)) {
-                var pair = new Pair(low, high, corner("boundsMin", other),
-                        corner("boundsMax", other));
+            if (other >= 0 && other != row && shapes.getInt(other, 0) != Shape.NONE) {
+                pair.with(other);
                 if (pair.holds(relation)) {
                     others.add(new Other(id, pair.gap()));
                 }
             }
         }
-        others.sort(Comparator.comparingDouble(Other::gap).thenComparing(Other::id));
+        others.sort(NEAREST);
         return Optional.of(others.stream().limit(MAX_ITEMS).map(Other::id).map(nameOf).toList());
-    }
-
-    /** A box that everything meets to which the relation may hold. */
-    private static Box reach(double[] low, double[] high, String relation) {
-        double by = diagonal(low, high) * (relation.equals("near") ? 1 : TOLERANCE);
-        return new Box(low[0] - by, low[1] - by, low[2] - by,
-                high[0] + by, high[1] + by, high[2] + by);
-    }
-
-    private boolean hasShape(int row) {
-        return bodies.column("shape").getInt(row, 0) != Shape.NONE;
-    }
-
-    private double[] corner(String column, int row) {
-        ColumnView corners = bodies.column(column);
-        return new double[] {corners.getDouble(row, 0), corners.getDouble(row, 1),
-            corners.getDouble(row, 2)};
     }
 
     private static double diagonal(double[] low, double[] high) {

@@ -24,6 +24,7 @@ import org.junit.jupiter.params.provider.CsvSource;
 import org.junit.jupiter.params.provider.ValueSource;
 import reve.core.file.AgentPolicy;
 import reve.core.world.ItemDefinition;
+import reve.core.world.Shape;
 import tools.jackson.databind.JsonNode;
 
 /** Joining, perceiving, acting and leaving, over real sockets, in a world stepped by hand. */
@@ -337,6 +338,18 @@ class AgentServerTest {
             hall.step();
             hall.join("zoe").close();
             assertThat(hall.item("zoe").physical().location()).containsExactly(0, 0.5, 0);
+            bob.say("{'t':'ping','id':1}").skipTo("pong");
+        }
+    }
+
+    @Test
+    void aWorldTakesNoFewerAgentsThanItHasBodiesForThem() throws IOException {
+        var duck = AgentRoom.duck();
+        var goose = ItemDefinition.named("goose").shape(Shape.sphere(0.3)).build();
+        try (AgentRoom hall = new AgentRoom(AgentRoom.CONFIG,
+                        AgentRoom.lending("duck", "goose").withMost(1), 64, List.of(duck, goose));
+                TestClient ada = hall.join("ada"); TestClient bob = hall.join("bob")) {
+            ada.say("{'t':'ping','id':1}").skipTo("pong");
             bob.say("{'t':'ping','id':1}").skipTo("pong");
         }
     }
