@@ -393,10 +393,8 @@ class SessionsTest {
             long joined = room.loop.frame();
             reset(ada);
             int atOnce = AgentRoom.CONFIG.limits().actsInFlight();
-            bob.say(WIND_UP.formatted(0)).sync();
-            room.step(); // from its first act on, it has an agent's whole share of each frame
-            for (int id = 1; id <= rings; ) {
-                for (int i = 0; i < atOnce && id <= rings; i++, id++) {
+            for (int id = 0; id < rings; ) {
+                for (int i = 0; i < atOnce && id < rings; i++, id++) {
                     bob.say("{'t':'act','id':" + id + ",'item':'bell','action':'ring'}");
                 }
                 bob.sync();

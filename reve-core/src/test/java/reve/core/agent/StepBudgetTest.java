@@ -69,9 +69,29 @@ class StepBudgetTest {
     }
 
     @Test
-    void comingUnderAnotherNameGivesOneActAndNoMore() {
-        assertThat(acts("new", 1, DEAR, 64)).isEqualTo(1);
-        assertThat(acts("newer", 1, DEAR, 64)).isEqualTo(1);
-        assertThat(acts("new", 2, DEAR, 64)).as("in debt").isLessThanOrEqualTo(1);
+    void cheapActsOfANewAgentDoNotWait() {
+        assertThat(acts("new", 1, CHEAP, 64)).isEqualTo(64);
+    }
+
+    @Test
+    void comingUnderOtherNamesGainsNothing() {
+        int acts = 0;
+        for (long frame = 1; frame <= 1000; frame++) {
+            for (int i = 0; i < 20; i++) {
+                acts += acts("agent-" + frame + "-" + i, frame, DEAR, 1);
+            }
+        }
+        assertThat(acts).as("one evaluation in each frame").isBetween(990, 1010);
+    }
+
+    @Test
+    void whoHasActedBeforeDoesNotWaitForNewcomers() {
+        acts("innocent", 1, CHEAP, 1);
+        for (long frame = 2; frame <= 1000; frame++) {
+            for (int i = 0; i < 20; i++) {
+                acts("agent-" + frame + "-" + i, frame, DEAR, 1);
+            }
+            assertThat(acts("innocent", frame, CHEAP, 3)).as("frame %d", frame).isEqualTo(3);
+        }
     }
 }

@@ -21,6 +21,8 @@ import reve.core.world.World;
  */
 class DamagedWorldsTest {
     private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 600);
+    /** One mutant of so many is a world: both answers must occur for this test to say anything. */
+    private static final int LEAST_BUILT = 30;
     /** Larger ones would say nothing new, slowly. */
     private static final int MAX_LENGTH = 6000;
 
@@ -49,7 +51,9 @@ class DamagedWorldsTest {
                 fail("seed " + seed + ", mutant " + i + "\n" + text, crash);
             }
         }
-        assertThat(refused).as("seed %d", seed).isBetween(MUTANTS / 4, MUTANTS * 19 / 20);
+        assertThat(refused).as("seed %d", seed).isGreaterThan(MUTANTS / 4);
+        assertThat(MUTANTS - refused).as("mutants that were built, seed %d", seed)
+                .isGreaterThan(MUTANTS / LEAST_BUILT);
     }
 
     private static boolean isRight(Object world) {
