@@ -125,6 +125,14 @@ def returning_lock_step(port, me):
         client.close()
 
 
+def leaving_lock_step(port, me):
+    """Never says a word, leaves just before its deadline, and comes under another name."""
+    for n in range(10**9):
+        client = Client(port, f"mallory-{me}-{n}", time=LOCK_STEP)
+        time.sleep(0.9)
+        client.close()
+
+
 def graced(port, me):
     """Leaves bodies behind."""
     for n in range(10**9):
@@ -242,6 +250,7 @@ ATTACKS = {
     "late": ([late_lock_step] * 2, "lock-step, ready just before each deadline"),
     "twice-late": ([twice_late_lock_step] * 3, "lock-step, two rounds of three missed"),
     "returning": ([returning_lock_step] * 3, "lock-step, ever anew under other names"),
+    "leaving": ([leaving_lock_step], "lock-step without a word, gone before each deadline"),
     "grace": ([graced] * 2, "bodies left behind with graceSeconds"),
     "coming": ([comes_and_goes] * 2, "agents that come and go"),
     "crowd": ([crowd] * 2, "1,000 agents that perceive every frame, with relations"),

@@ -154,6 +154,9 @@ final class LockStep implements FrameGate {
                 news.accept(turn.back());
             }
             if (somebodyComes) {
+                if (turn.holds(frame)) {
+                    turn.allowance().answer(nowNanoseconds); // until now it held the frame
+                }
                 turn.putOff(frame);
             }
         }

@@ -213,6 +213,37 @@ class AllowancesTest {
     }
 
     @Test
+    void whoIsPutOffByAnotherThatComesHasHeldTheWorldUntilThen() {
+        allowances.addRealTime(1);
+        Turn before = silent();
+        for (int comer = 0; comer < 30; comer++) {
+            pass(FRAME);
+            long patience = 9 * SECOND / 10;
+            for (long wait = ask(); wait > 0 && patience > 0; wait = ask()) {
+                long step = Math.min(wait, patience);
+                pass(step);
+                patience -= step;
+            }
+            gate.comes();
+            assertThat(ask()).as("others come without waiting").isZero();
+            frame++;
+            gate.came();
+            Turn next = silent();
+            gate.remove(before, now);
+            before = next;
+        }
+        assertThat(spent).as("30 times 0.9 s").first().isEqualTo(true);
+    }
+
+    private Turn silent() {
+        var turn = new Turn("silent", new ClientMessage.LockStep(1, false, 1, Optional.empty()),
+                DEADLINE, allowances.of(Optional.empty(), ByteBuffer.wrap(new byte[] {0}), now));
+        turn.begin(frame);
+        gate.add(turn);
+        return turn;
+    }
+
+    @Test
     void severalThatHoldTheWorldInTurnShareTheAllowance() {
         allowances.addRealTime(1);
         for (int i = 0; i < 5; i++) {
