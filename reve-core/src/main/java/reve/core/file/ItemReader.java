@@ -29,6 +29,10 @@ final class ItemReader {
     private static final int MAX_CREATED_DEPTH = 8;
     /** Most items that actions create, each as often as it is read. */
     private static final int MAX_CREATED = 10_000;
+    /** Most values that are read for single items. */
+    static final int MAX_READ = 2_000_000;
+    /** Values of an aspect that are not counted, except those of actions. */
+    private static final int FREE_VALUES = 16;
 
     private final Problems problems;
     private final PhysicsReader physics;
@@ -43,6 +47,7 @@ final class ItemReader {
     /** What was read of the aspects that items have wholly from prefabs. */
     private final Map<SharedAspect, ItemDefinition> shared = new HashMap<>();
     private final Allowance created = new Allowance(MAX_CREATED);
+    private final Allowance work = new Allowance(MAX_READ);
     private int createdDepth;
 
     /** Reads one aspect of an item. */
@@ -309,7 +314,10 @@ final class ItemReader {
             ItemDefinition.Builder item) throws WorldFileException {
         Optional<Node> place = node.get("physical");
         if (place.isPresent() && kind.equals(WorldPrototype.BODY)) {
-            read(node, place.get(), kind, hasPhysics, item, physical::read, item::physicalOf);
+            read(node, place.get(), kind, hasPhysics, item, (aspect, into) -> {
+                requireWork(aspect, FREE_VALUES);
+                physical.read(aspect, into);
+            }, item::physicalOf);
         } else if (place.isPresent()) {
             problems.addAtKey(place.get(), "only items of kind body have `physical`, this is a "
                     + kind);
@@ -325,11 +333,16 @@ final class ItemReader {
         } else if (properties.isPresent()) {
             readPhysics(properties.get(), kind, item); // the density's mass follows from the shape
         }
-        node.get("capabilities").ifPresent(all -> readCapabilities(all, item));
+        if (node.get("capabilities").isPresent()) {
+            requireWork(node.get("capabilities").get(), FREE_VALUES);
+            readCapabilities(node.get("capabilities").get(), item);
+        }
         if (node.get("access").isPresent()) {
             read(node, node.get("access").get(), kind, hasPhysics, item, (aspect, into) ->
-                    readActions(aspect, new ActionReader.Owner(item.name(), kind, hasPhysics),
-                            into), item::actionsOf);
+                    readActions(aspect, kind, hasPhysics, into), item::actionsOf);
+        }
+        if (node.get("sensors").isPresent()) {
+            requireWork(node.get("sensors").get(), FREE_VALUES);
         }
         node.get("sensors").ifPresent(all -> {
             if (kind.equals(WorldPrototype.BODY)) {
@@ -359,14 +372,30 @@ final class ItemReader {
         taking.accept(read);
     }
 
-    private void readActions(Node access, ActionReader.Owner owner, ItemDefinition.Builder item)
-            throws WorldFileException {
-        for (Node action : access.children()) {
+    /** Counts what is about to be read, and refuses it if that is too much for one world. */
+    private void requireWork(Node part, int free) throws WorldFileException {
+        if (!work.take(Math.max(0, part.valueCount() - free))) {
+            throw problems.of(part.file()).fatal(part.keyLine(), part.keyColumn(), part.label()
+                    + ": actions, symbols and other values that are read for each item anew are "
+                    + "more than " + MAX_READ + " in all items, which is the limit: give items "
+                    + "what does not change by a prefab that they are `like`, in an aspect or an "
+                    + "action that they say nothing of");
+        }
+    }
+
+    /** Actions that an item has wholly from a prefab are read once, beside those that it adds. */
+    private void readActions(Node access, String kind, boolean hasPhysics,
+            ItemDefinition.Builder item) throws WorldFileException {
+        var owner = new ActionReader.Owner(item.name(), kind, hasPhysics);
+        for (Node each : access.children()) {
             if (problems.full()) {
                 return;
             }
-            Optional<Action> read = actions.read(action, owner);
-            read.ifPresent(item::action);
+            read(access, each, kind, hasPhysics, item, (action, into) -> {
+                requireWork(action, 0);
+                Optional<Action> read = actions.read(action, owner);
+                read.ifPresent(into::action);
+            }, read -> read.actions().forEach(item::action));
         }
     }
 
@@ -380,7 +409,9 @@ final class ItemReader {
         }
     }
 
-    private void readSymbols(Node aspect, ItemDefinition.Builder item) {
+    private void readSymbols(Node aspect, ItemDefinition.Builder item)
+            throws WorldFileException {
+        requireWork(aspect, FREE_VALUES);
         for (Node symbol : aspect.children()) {
             if (problems.full()) {
                 return;
@@ -408,7 +439,9 @@ final class ItemReader {
                 : new Quantities(problems).number(symbol, number.get().unit()).map(value -> value);
     }
 
-    private void readPhysics(Node aspect, String kind, ItemDefinition.Builder item) {
+    private void readPhysics(Node aspect, String kind, ItemDefinition.Builder item)
+            throws WorldFileException {
+        requireWork(aspect, FREE_VALUES);
         Map<String, double[]> numbers = new LinkedHashMap<>();
         physics.read(aspect, kind, sink(item, numbers::put));
         item.physics(numbers);

@@ -82,6 +82,15 @@ final class Node {
         return count;
     }
 
+    /** How many values this is, with all that it holds. */
+    long valueCount() {
+        long count = 1;
+        for (Node child : children()) {
+            count += child.valueCount();
+        }
+        return count;
+    }
+
     /** This mapping without one of its keys. */
     Node without(String name) {
         if (get(name).isEmpty()) {

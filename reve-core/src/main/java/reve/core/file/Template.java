@@ -15,6 +15,8 @@ import java.util.regex.Pattern;
 final class Template {
     private static final Pattern PIECE = Pattern.compile(
             "(\\{\\{|\\}\\})|\\{([^{}]*)\\}|([{}])|[^{}]+");
+    /** As many values of a mapping or list are copied with it and not counted. */
+    private static final int FREE_CHILDREN = 8;
 
     /** Makes one value of the item. */
     private interface Maker {
@@ -45,7 +47,7 @@ final class Template {
         this.maker = item(item);
     }
 
-    /** How many values are made anew for each item. */
+    /** How many values are made anew for each item, or copied into one that is. */
     int size() {
         return made;
     }
@@ -111,7 +113,7 @@ final class Template {
         if (made == before) {
             return (values, number) -> node;
         }
-        made++;
+        made += Math.max(1, makers.size() - FREE_CHILDREN);
         return node.isMapping() ? mapping(node, makers) : list(node, makers);
     }
 

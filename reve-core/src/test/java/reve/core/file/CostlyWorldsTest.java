@@ -12,6 +12,7 @@ import java.util.stream.IntStream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
+import reve.core.world.Action;
 import reve.core.world.ItemDefinition;
 
 /**
@@ -93,6 +94,66 @@ class CostlyWorldsTest {
             });
             assertThat(world.warnings()).as("each impulse moves nothing").hasSize(100);
         }
+    }
+
+    /** Items that change one of 300 actions share the 299 others. */
+    @Test
+    void actionsThatAnItemDoesNotChangeAreReadOnce() throws WorldFileException {
+        List<ItemDefinition> items = read(START + "prefabs:\n  p:\n    access:\n"
+                + times(300, i -> "      a" + i + ": {effects: [{raise: b}]}\n") + "items:\n"
+                + times(50, i -> "- {name: b" + i + ", like: p, access: {a7: {doc: d" + i
+                        + "}}}\n") + "- {name: 'c{i}', like: p, repeat: 50, "
+                + "access: {a7: {doc: 'd{i}'}}}\n");
+        ItemDefinition first = items.getFirst();
+        assertThat(items).hasSize(100).allSatisfy(item -> {
+            assertThat(item.actions()).extracting(Action::name)
+                    .containsExactlyElementsOf(first.actions().stream().map(Action::name).toList());
+            assertThat(item.actions().get(8)).isSameAs(first.actions().get(8));
+        });
+        assertThat(items).extracting(item -> item.actions().get(7).doc())
+                .startsWith("d0", "d1", "d2").endsWith("d48", "d49");
+    }
+
+    /** Each family would read 20 million values or more. */
+    @ParameterizedTest
+    @CsvSource(delimiter = '!', textBlock = """
+            items: [{name: 'b{i}', repeat: 5000, access: {               ! a%d: {effects: [{raise: b}]},  ! z: {doc: 'b{i}', effects: [{raise: b}]}}}]
+            items: [{name: 'b{i}', repeat: 20000, physical: {shape: sphere, radius: '{1+i}'}, access: { ! a%d: {effects: [{raise: b}]},  ! }}]
+            items: [{name: 'b{i}', repeat: 20000, physical: {shape: sphere, radius: '{1+i}'}, semantic: { ! s%d: 1,  ! }}]
+            items: [{name: 'b{i}', repeat: 20000, physical: {material: {roughness: '{1/(1+i)}'}, shape: mesh, triangles: [[0, 1, 2]], vertices: [ ! '[%d,0,0],' ! ]}}]
+            """)
+    void whatIsReadForEachItemIsCounted(String begin, String piece, String end) {
+        assertThat(problems(START + begin + times(1000, piece::formatted) + end + "\n"))
+                .singleElement().asString().startsWith("w:3:").contains(
+                        "more than 2000000 in all items", "by a prefab that they are `like`");
+    }
+
+    @Test
+    void whatItemsThatAreLikeAPrefabChangeIsCounted() {
+        assertThat(problems(START + "prefabs: {p: {access: {a: {effects: ["
+                + times(60, i -> "{raise: b" + i + ", with: {x: 1}},") + "]}}}}\nitems:\n" + times(10_000, i ->
+                        "- {name: b" + i + ", like: p, access: {a: {doc: d}}}\n")))
+                .singleElement().asString().startsWith("w:").contains("a: actions, symbols");
+    }
+
+    /** 10,000 items that change an action, a symbol and a place of a usual prefab. */
+    @Test
+    void changesToAUsualPrefabStayWithinTheLimit() throws WorldFileException {
+        assertThat(read(START + "prefabs:\n  p:\n    access:\n" + times(10, i -> "      a" + i
+                + ": {parameters: {x: {min: 0, max: 1}}, effects: [{symbol: s0, to: $x}]}\n")
+                + "    semantic:\n" + times(10, i -> "      s" + i + ": 1\n") + "items:\n"
+                + times(10_000, i -> "- {name: b" + i + ", like: p, access: {a3: {doc: d" + i
+                        + "}}, semantic: {s1: " + i + "}, physical: {location: [" + i
+                        + ", 0, 0]}}\n"))).hasSize(10_000);
+    }
+
+    /** Before, a mapping that is made anew counted as one value, however much it holds. */
+    @Test
+    void whatRepetitionsCopyIsCounted() {
+        assertThat(problems(START + "prefabs: {p: {access: {" + times(4000, i -> "a" + i
+                + ": {effects: [{raise: b}]},") + "}}}\nitems: [{name: 'b{i}', like: p, "
+                + "repeat: 100000, access: {a0: {doc: 'd{i}'}}}]\n"))
+                .singleElement().asString().contains("more than 10000000 values");
     }
 
     /** What an item says itself is its own, and what is like the other in a part only, too. */
