@@ -131,7 +131,8 @@ class CostlyWorldsTest {
     @Test
     void whatItemsThatAreLikeAPrefabChangeIsCounted() {
         assertThat(problems(START + "prefabs: {p: {access: {a: {effects: ["
-                + times(60, i -> "{raise: b" + i + ", with: {x: 1}},") + "]}}}}\nitems:\n" + times(10_000, i ->
+                + times(60, i -> "{raise: b" + i + ", with: {x: 1}},") + "]}}}}\nitems:\n"
+                + times(10_000, i ->
                         "- {name: b" + i + ", like: p, access: {a: {doc: d}}}\n")))
                 .singleElement().asString().startsWith("w:").contains("a: actions, symbols");
     }
