@@ -26,6 +26,8 @@ import reve.core.world.Item;
 import reve.core.world.World;
 import reve.core.world.WorldEvent;
 import reve.worlds.journal.Journal;
+import reve.worlds.journal.Recording;
+import reve.worlds.journal.RecordingPlan;
 import reve.worlds.journal.RunLog;
 
 /** No value that an action lets an agent choose takes a law away from the others. */
@@ -182,7 +184,8 @@ class HostileActsNativeTest {
         long hash;
         try (var simulation = new Simulation(description, Pacing.FAST);
                 Journal _ = simulation.journal(folder, Map.of(),
-                        new Journal.Plan(0, true), RunLog.create(log), problem -> {
+                        new Journal.Plan(0, true),
+                        new Recording(RecordingPlan.of(log)), problem -> {
                             throw new AssertionError(problem);
                         })) {
             run(simulation, 1e100, "velocity", "mass");
