@@ -148,12 +148,17 @@ public final class Relations {
         }
         var pair = new Pair(bodies, row);
         List<Other> others = new ArrayList<>();
+        int meeting = 0;
         for (ItemId id : space.inBox(pair.reach(relation))) {
             int other = bodies.rowOf(id);
             if (other >= 0 && other != row && shapes.getInt(other, 0) != Shape.NONE) {
                 pair.with(other);
                 if (pair.holds(relation)) {
-                    others.add(new Other(id, pair.gap()));
+                    double gap = pair.gap();
+                    others.add(new Other(id, gap));
+                    if (gap == 0 && ++meeting == MAX_ITEMS) {
+                        break; // those that follow have higher ids and no smaller gap
+                    }
                 }
             }
         }

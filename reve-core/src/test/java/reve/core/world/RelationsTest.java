@@ -110,6 +110,22 @@ class RelationsTest {
     }
 
     @Test
+    void inACrowdAtOnePlaceTheFirstByIdComeFirst() {
+        box("aside", 1, 1.2, 0, 0);
+        var crowd = new ArrayList<Item>();
+        for (int i = 0; i < 100; i++) {
+            crowd.add(box("one-" + i, 1, 0.001 * i, 0, 0));
+        }
+        derive();
+        List<String> first = crowd.stream().skip(1).limit(Relations.MAX_ITEMS).map(Item::name)
+                .toList();
+        assertThat(of(crowd.getFirst(), "near")).isEqualTo(first);
+        assertThat(of(crowd.getFirst(), "touching")).isEqualTo(first);
+        assertThat((List<?>) of(crowd.getLast(), "near")).hasSize(Relations.MAX_ITEMS)
+                .first().isEqualTo("one-0");
+    }
+
+    @Test
     void theyAreAskedForByTheirNames() {
         Item one = box("one", 1, 0, 0, 0);
         derive();
