@@ -86,6 +86,14 @@ final class FrameFiles {
         }
     }
 
+    /** Before an image is in the database. Any thread, after the first {@link #next}. */
+    void forceManifest() throws IOException {
+        Manifest listed = manifest;
+        if (listed != null) {
+            listed.force();
+        }
+    }
+
     /** An image is in the database. Any thread, after the first {@link #next}. */
     void keep(long image, long frame, long sum) throws IOException {
         Manifest listed = manifest;

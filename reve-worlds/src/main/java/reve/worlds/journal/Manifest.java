@@ -15,7 +15,9 @@ import reve.core.store.CorruptException;
 /**
  * The file STORE-manifest: the least that the other files of a store must hold. It is written in
  * place, by one small write after each frame and each image, so it never claims what is not there;
- * files that hold less than it claims have lost something. Any thread.
+ * files that hold less than it claims have lost something. It names a file of frames before that
+ * holds any, and is on the disk before the image that begins the file is committed: if it does not
+ * name it, it is an older copy, and says nothing about the newest frames. Any thread.
  */
 final class Manifest implements AutoCloseable {
     private static final byte[] MARK =
@@ -121,6 +123,15 @@ final class Manifest implements AutoCloseable {
     synchronized void keep(long image, long itsFrame, long sum) throws IOException {
         write(new Claim(claim.store, claim.boot, claim.file, claim.fileId,
                 Math.max(frame, itsFrame), image, itsFrame, sum));
+    }
+
+    /** Waits until what it says outlives a power failure. */
+    void force() throws IOException {
+        try {
+            channel.force(false);
+        } catch (IOException e) {
+            throw failed(e);
+        }
     }
 
     /** Whether the file is still where it was made. */

@@ -78,6 +78,7 @@ public final class SqliteStore implements JournalSink {
     private void write(long framesFile, List<JournalRecord.Library> libraries,
             JournalRecord.Image image) throws IOException {
         requirePresent();
+        frames.forceManifest();
         long sum = StoreDatabase.checksum(image.bytes(), framesFile, image.frame());
         long oldest;
         try {

@@ -20,6 +20,8 @@ import reve.worlds.Product;
  * thread; no other process may have the store open.
  */
 public final class StoreContents {
+    private static final String NOT_VOUCHED = ", so the newest frames may be missing, too";
+
     /** Damage that costs nothing, as a line each that names the file. */
     private final List<String> harmless = new ArrayList<>();
     /** Damage because of which the store is not whole. */
@@ -81,6 +83,7 @@ public final class StoreContents {
         }
         compareWithManifest();
         checkLinks();
+        compareFramesWithManifest();
         if (isStranger()) {
             damage.add(file + " belongs to another store than all the files beside it");
         } else {
@@ -204,7 +207,7 @@ public final class StoreContents {
             Optional<Manifest.Claim> found = Manifest.read(file);
             if (found.isEmpty() && rows.identity().isPresent()) {
                 damage.add(Manifest.path(file) + " is " + (Files.exists(Manifest.path(file))
-                        ? "empty" : "missing") + ", so the newest frames may be missing, too");
+                        ? "empty" : "missing") + NOT_VOUCHED);
             }
             return found;
         } catch (CorruptException e) {
@@ -251,9 +254,9 @@ public final class StoreContents {
             if (row.isGood() && row.framesFile() == said.image() && row.sum() != said.imageSum()) {
                 damage.add(file + " belongs to another copy of the store than " + manifest);
             }
-            if (row.framesFile() > said.file()) {
-                harmless.add(manifest + " is older than " + file);
-            }
+        }
+        if (rows.images().stream().anyMatch(row -> row.framesFile() > said.file())) {
+            damage.add(older(file));
         }
         if (said.image() > 0 && !has) {
             harmless.add(file + " lacks the image of frame " + said.imageFrame() + ": it is an "
@@ -275,6 +278,21 @@ public final class StoreContents {
                 before = each.link().orElse(null);
             }
         }
+    }
+
+    /**
+     * A manifest names a file of frames before it holds any. Only a power failure may leave frames
+     * on the disk, and not yet the manifest; it is on the disk before an image is.
+     */
+    private void compareFramesWithManifest() {
+        claim.ifPresent(said -> read.tailMap(said.file() + 1).values().stream()
+                .filter(each -> !each.records().isEmpty() || each.damage().isPresent())
+                .forEach(each -> (said.isOfAnotherBoot() ? harmless : damage)
+                        .add(older(each.file()))));
+    }
+
+    private String older(Path than) {
+        return Manifest.path(file) + " is older than " + than + NOT_VOUCHED;
     }
 
     /** Whether the database, and not a file beside it, is the one that does not belong here. */
@@ -410,7 +428,7 @@ public final class StoreContents {
         boolean damaged = read.tailMap(from.row().framesFile()).values().stream()
                 .anyMatch(each -> each.damage().isPresent());
         if (from.frame() >= known && !damaged) {
-            harmless.addAll(from.why());
+            (damage.isEmpty() ? harmless : damage).addAll(from.why());
             addOlderFiles(from.row().framesFile());
         } else if (damage.isEmpty() && from.isTail() && claim.isPresent()
                 && claim.get().isOfAnotherBoot()) {

@@ -204,6 +204,63 @@ class SqliteStoreTest {
         assertThat(read()).endsWith("frame 27");
     }
 
+    /** It says less than there was, so it cannot tell whether the newest frames are there. */
+    @Test
+    void anOlderManifestIsRefusedAsAMissingOneIs() throws Exception {
+        fill();
+        byte[] older = Files.readAllBytes(Manifest.path(file));
+        goOn(file);
+        Path last = folder.resolve("my.db-frames-6");
+        byte[] frames = Files.readAllBytes(last);
+        Files.write(Manifest.path(file), older);
+        refused("my.db-manifest is older than " + file + ", so the newest frames may be missing");
+        Files.write(last, Arrays.copyOf(frames, frames.length / 2));
+        refused("my.db-manifest is older than " + file);
+        Files.delete(last);
+        refused("my.db-manifest is older than " + file);
+        refused("my.db-frames-6 is missing");
+        update("DELETE FROM image WHERE frame = 25");
+        Files.write(last, frames);
+        refused("my.db-manifest is older than " + last);
+    }
+
+    /** The states that a killed process leaves between two writes of the manifest. */
+    @Test
+    void aKillBetweenTheManifestAndTheDatabaseLosesNothing() throws IOException {
+        fill();
+        byte[] before = Files.readAllBytes(Manifest.path(file));
+        byte[] begun;
+        byte[] reached;
+        try (SqliteStore store = open(file)) {
+            JournalSink.Place place = store.place();
+            begun = Files.readAllBytes(Manifest.path(file));
+            place.write(List.of(), image(25));
+            for (int frame = 26; frame < 28; frame++) {
+                store.write(new JournalRecord.Frame(frame, new byte[20]));
+            }
+            JournalSink.Place next = store.place();
+            store.write(new JournalRecord.Frame(28, new byte[20]));
+            reached = Files.readAllBytes(Manifest.path(file));
+            next.write(List.of(), image(27));
+        }
+        Files.write(Manifest.path(file), reached);
+        assertThat(read()).endsWith("image 27", "frame 28");
+        assertThat(problems).isEmpty();
+
+        Path copies = Files.createDirectory(folder.resolve("copies"));
+        file = copies.resolve("my.db");
+        fill();
+        byte[] old = Files.readAllBytes(Manifest.path(file));
+        try (SqliteStore store = open(file)) {
+            store.place();
+        }
+        assertThat(read()).endsWith("frame 24");
+        Files.write(Manifest.path(file), old);
+        assertThat(read()).endsWith("frame 24");
+        assertThat(problems).isEmpty();
+        assertThat(before).isNotEqualTo(begun);
+    }
+
     @Test
     void afterAPowerFailureAShorterLastFileIsToldAndTaken() throws IOException {
         fill();

@@ -230,6 +230,17 @@ class StoreDamageNativeTest {
         all.add(without("no newest frames", frames.subList(frames.size() - 2, frames.size())));
         all.add(without("no newest frames and no manifest",
                 List.of(frames.getLast(), NAME + "-manifest")));
+        if (older.containsKey(NAME + "-manifest")) {
+            Map<String, byte[]> cut = new HashMap<>();
+            cut.put(NAME + "-manifest", older.get(NAME + "-manifest"));
+            cut.put(frames.getLast(), null);
+            all.add(new Damage("an older manifest, no newest frames", List.copyOf(cut.keySet()),
+                    cut));
+            byte[] newest = whole.get(frames.getLast());
+            all.add(new Damage("an older manifest, newest frames cut", List.copyOf(cut.keySet()),
+                    Map.of(NAME + "-manifest", older.get(NAME + "-manifest"), frames.getLast(),
+                            Arrays.copyOf(newest, newest.length / 2))));
+        }
         all.add(without("no database and no log", List.of(NAME, NAME + "-wal")));
         all.add(without("no database and no manifest", List.of(NAME, NAME + "-manifest")));
         for (String frame : frames) {
