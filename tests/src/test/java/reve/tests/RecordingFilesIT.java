@@ -134,6 +134,28 @@ class RecordingFilesIT {
     }
 
     @Test
+    void noAuditRecordIsAddedToAFileOfAnotherKind() throws Exception {
+        Path tokens = folder.resolve("tokens.json");
+        Path world = Files.copy(Path.of(WORLD, "world.yaml"), folder.resolve("world.yaml"));
+        Path key = Files.writeString(folder.resolve("server.key"), "-----BEGIN PRIVATE KEY-----");
+        Path link = Files.createSymbolicLink(folder.resolve("link"), world);
+        assertThat(Reve.run("token", "new", "ada", "--file", tokens.toString()).code()).isZero();
+        for (Path file : List.of(tokens, world, key, link)) {
+            String before = Files.readString(file);
+            Outcome refused = Reve.run("serve", world.toString(), "--port", "0", "--seconds", "0.1",
+                    "--tokens", tokens.toString(), "--audit", file.toString());
+            assertThat(refused.code()).as(refused.err()).isEqualTo(file.equals(key) ? 1 : 2);
+            assertThat(refused.err()).contains(file.toString(), file.equals(key)
+                    ? "holds something else than an audit record" : "give each a file of its own");
+            assertThat(Files.readString(file)).isEqualTo(before);
+        }
+        Files.writeString(tokens, Files.readString(tokens) + "{}");
+        Outcome damaged = Reve.run("token", "list", "--file", tokens.toString());
+        assertThat(damaged.err()).contains(tokens + " is no file of tokens: it is not JSON: line ")
+                .doesNotContain("Jackson", "Deserialization", "JsonToken");
+    }
+
+    @Test
     void aSecondServerOnARecordingOrAnAuditFileIsRefusedAndTheFirstGoesOn() throws Exception {
         Path log = folder.resolve("run.log");
         Path audit = folder.resolve("audit.jsonl");

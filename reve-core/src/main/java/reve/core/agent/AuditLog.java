@@ -16,6 +16,7 @@ import java.util.HexFormat;
 import java.util.List;
 import java.util.Optional;
 import java.util.function.LongSupplier;
+import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import org.jspecify.annotations.Nullable;
 import reve.core.disk.OwnedFile;
@@ -35,6 +36,10 @@ final class AuditLog implements Closeable {
     private static final List<String> PIXELS = List.of("colour", "depth", "items");
     private static final Pattern SECRET =
             Pattern.compile("(?<=\"session\":\\{\"token\":\")[0-9a-f]+");
+    private static final Pattern HEAD =
+            Pattern.compile("\\{\"at\":\"[^\"]{1,40}\",\"(world|unrecorded)\":");
+    private static final int HEAD_BYTES = 80;
+    private static final int READ_BYTES = 1 << 16;
     private static final long RETRY_NANOS = 1_000_000_000;
 
     private final AuditPlan plan;
@@ -57,7 +62,7 @@ final class AuditLog implements Closeable {
     private String lastGap = "";
     private long unrecorded;
 
-    /** @throws IOException if the file cannot be appended to */
+    /** @throws IOException if the file cannot be appended to, or holds something else */
     AuditLog(AuditPlan plan) throws IOException {
         this(plan, InstantSource.system(), System::nanoTime);
     }
@@ -87,12 +92,42 @@ final class AuditLog implements Closeable {
         return opened;
     }
 
+    /** A file of another kind that was named by mistake stays as it is. */
     private boolean endsWithLine() throws IOException {
         try (FileChannel in = FileChannel.open(file)) {
-            ByteBuffer last = ByteBuffer.allocate(1);
             long end = in.size();
-            return end == 0 || in.read(last, end - 1) < 1 || last.get(0) == '\n';
+            long next = lineBefore(in, end);
+            if (!isRecord(in, 0) || next > 0 && !isRecord(in, lineBefore(in, next - 1))) {
+                throw new IOException("it is there already and holds something else than an audit "
+                        + "record; name another file, or move it away");
+            }
+            return next == end;
         }
+    }
+
+    /** Where the line begins that goes on up to a place. */
+    private static long lineBefore(FileChannel in, long place) throws IOException {
+        ByteBuffer some = ByteBuffer.allocate(READ_BYTES);
+        for (long end = place; end > 0; end -= some.capacity()) {
+            long from = Math.max(0, end - some.capacity());
+            int count = in.read(some.clear().limit((int) (end - from)), from);
+            for (int i = count - 1; i >= 0; i--) {
+                if (some.get(i) == '\n') {
+                    return from + i + 1;
+                }
+            }
+        }
+        return 0;
+    }
+
+    /** Whether a line begins as a record, or as the part of one that a crash left. */
+    private static boolean isRecord(FileChannel in, long start) throws IOException {
+        ByteBuffer some = ByteBuffer.allocate(HEAD_BYTES);
+        in.read(some, start);
+        String line = new String(some.array(), 0, some.position(), StandardCharsets.UTF_8)
+                .lines().findFirst().orElse("");
+        Matcher head = HEAD.matcher(line);
+        return some.position() == 0 || !line.isEmpty() && (head.lookingAt() || head.hitEnd());
     }
 
     /**

@@ -59,7 +59,9 @@ final class TokenFormat {
         try {
             file = Json.MAPPER.readTree(bytes);
         } catch (JacksonException e) {
-            throw new IllegalArgumentException("it is not JSON: " + e.getOriginalMessage(), e);
+            throw new IllegalArgumentException("it is not JSON" + (e.getLocation() == null
+                    ? "" : ": line " + e.getLocation().getLineNr() + ", column "
+                    + e.getLocation().getColumnNr() + " cannot be read"), e);
         }
         if (file.path("reveTokens").asInt(0) != VERSION || !file.path("tokens").isArray()) {
             throw new IllegalArgumentException("expected {\"reveTokens\": " + VERSION

@@ -17,6 +17,8 @@ import java.util.stream.Stream;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
+import org.junit.jupiter.params.ParameterizedTest;
+import org.junit.jupiter.params.provider.ValueSource;
 import tools.jackson.databind.JsonNode;
 
 /** The record of what clients are told, and the disk that it is on. */
@@ -118,6 +120,31 @@ class AuditLogTest {
             told(audit, "last");
         }
         assertThat(Files.readAllLines(file)).hasSize(3).first().isEqualTo("{\"at\":\"2030");
+    }
+
+    @ParameterizedTest
+    @ValueSource(strings = {"Dear diary", "{\"reveTokens\":1,\"tokens\":[]}",
+            "-----BEGIN PRIVATE KEY-----\nMIIB\n-----END PRIVATE KEY-----\n", "\n", "{}\n",
+            "{\"at\":\"2030-01-01T00:00:00Z\",\"world\":\"w\"}\nname: spring-orbit\n",
+            "{\"at\":\"2030-01-01T00:00:00Z\",\"price\":3}\n"})
+    void whatIsNoAuditRecordIsRefusedAndStaysAsItIs(String content) throws Exception {
+        Files.writeString(file, content);
+        assertThatThrownBy(() -> open(AuditPlan.of(file))).isInstanceOf(IOException.class)
+                .hasMessage("the audit record " + file + " could not be opened: it is there "
+                        + "already and holds something else than an audit record; name another "
+                        + "file, or move it away");
+        assertThat(Files.readString(file)).isEqualTo(content);
+    }
+
+    @Test
+    void aRecordIsGoneOnWithHoweverLongItsLastLineIs() throws Exception {
+        Files.createFile(file);
+        for (String text : List.of("a", "b".repeat(200_000), "c")) {
+            try (AuditLog audit = open(AuditPlan.of(file))) {
+                told(audit, text);
+            }
+        }
+        assertThat(told(file)).hasSize(3).endsWith("c");
     }
 
     @Test

@@ -155,14 +155,16 @@ class TokensTest {
             {"reveTokens":1,"tokens":[{"name":"a","roles":["king"]}]}     | the role "king"
             {"reveTokens":1,"tokens":[{"name":"a","roles":"agent"}]}      | roles is not a list of texts
             {"reveTokens":1,"tokens":[{"name":"a b","sha256":"00"}]}      | "a b" is no name
-            {"reveTokens":1,"reveTokens":1,"tokens":[]}                   | it is not JSON
+            {"reveTokens":1,"reveTokens":1,"tokens":[]}                   | it is not JSON: line 1, column 2
+            {"reveTokens":1,"tokens":[]}{"at":"2030"}                     | it is not JSON: line 1, column 2
             """)
     void aFileThatSaysSomethingElseIsRefusedWhole(String content, String reason)
             throws IOException {
         add("ada");
         Files.writeString(file, content);
         assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(IOException.class)
-                .hasMessageContaining(file.toString()).hasMessageContaining(reason);
+                .hasMessageContaining(file.toString()).hasMessageContaining(reason)
+                .hasMessageNotContainingAny("JsonToken", "Feature", "Source:");
     }
 
     @ParameterizedTest

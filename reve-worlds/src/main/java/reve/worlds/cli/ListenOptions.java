@@ -4,6 +4,7 @@ import java.io.IOException;
 import java.net.BindException;
 import java.net.InetSocketAddress;
 import java.nio.file.Path;
+import java.util.Map;
 import java.util.Optional;
 import picocli.CommandLine.Model.CommandSpec;
 import picocli.CommandLine.Option;
@@ -45,6 +46,11 @@ final class ListenOptions {
     @Option(names = "--tls-key", paramLabel = "FILE",
             description = "The certificate's private key (PEM).")
     private Optional<Path> key = Optional.empty();
+
+    /** The files that are read, each with its option. */
+    Map<String, Optional<Path>> files() {
+        return Map.of("--tokens", tokens, "--tls-certificate", certificate, "--tls-key", key);
+    }
 
     /**
      * The protocol's limits where the options say.

@@ -1,6 +1,7 @@
 package reve.worlds.cli;
 
 import java.io.IOException;
+import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.ArrayList;
@@ -8,6 +9,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.TreeMap;
 import java.util.concurrent.Callable;
 import java.util.regex.Pattern;
 import picocli.CommandLine.ArgGroup;
@@ -197,8 +199,16 @@ public final class ServeCommand implements Callable<Integer> {
     }
 
     /** Refuses files that would be written over by each other, before any is opened. */
-    private void requireOwnFiles() {
+    private void requireOwnFiles() throws IOException {
         Map<Path, String> taken = new LinkedHashMap<>();
+        for (Map.Entry<String, Optional<Path>> read : new TreeMap<>(listen.files()).entrySet()) {
+            if (read.getValue().isPresent()) {
+                taken.put(real(read.getValue().get()), read.getKey());
+            }
+        }
+        for (Path path : paths) {
+            taken.put(real(new WorldArgument(path).file()), "the world " + path);
+        }
         requireOwn(taken, "--store", store);
         requireOwn(taken, "--record", record.file());
         requireOwn(taken, "--audit", audit.file());
@@ -208,11 +218,15 @@ public final class ServeCommand implements Callable<Integer> {
      * A store has the files that begin with its name and {@code -}; older recordings and audit
      * files are called {@code FILE.1} and so on.
      */
-    private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given) {
+    private void requireOwn(Map<Path, String> taken, String option, Optional<Path> given)
+            throws IOException {
         if (given.isEmpty()) {
             return;
         }
-        Path file = given.get().toAbsolutePath().normalize();
+        Path file = real(given.get());
+        if (file.getParent() == null) {
+            return; // the folder of all folders, which no file can be opened at
+        }
         taken.forEach((other, by) -> {
             boolean isStores = by.equals("--store") && file.startsWith(other.getParent())
                     && file.getFileName().toString().startsWith(other.getFileName() + "-");
@@ -224,6 +238,14 @@ public final class ServeCommand implements Callable<Integer> {
             }
         });
         taken.put(file, option);
+    }
+
+    /** What a path leads to, also by links. */
+    private static Path real(Path given) throws IOException {
+        Path file = given.toAbsolutePath().normalize();
+        return Files.exists(file) ? file.toRealPath()
+                : Files.isDirectory(file.getParent())
+                        ? file.getParent().toRealPath().resolve(file.getFileName()) : file;
     }
 
     private static boolean isOlder(Path older, Path file) {
