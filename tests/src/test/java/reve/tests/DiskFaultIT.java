@@ -104,6 +104,57 @@ class DiskFaultIT {
     }
 
     @Test
+    void aRecordingGoesOnInAnotherFileWhenThereIsRoomAgain() throws Exception {
+        Path recording = folder.resolve("run.log");
+        Path part = folder.resolve("run.log.1");
+        try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                "--record", recording.toString())) {
+            server.port();
+            awaitGrowth(recording);
+            limit(server, "64:");
+            assertThat(server.events().await("fault", event -> true).path("message").asString())
+                    .startsWith(recording + " could not be written: File too large; the frames "
+                            + "from").endsWith("on are not recorded, until a new recording can "
+                            + "begin");
+            while (!Files.exists(part)) {
+                Thread.onSpinWait();
+            }
+            limit(server, "unlimited:");
+            assertThat(server.events().await("fault", event -> event.path("message").asString()
+                    .startsWith("a new recording")).path("message").asString())
+                    .startsWith("a new recording begins with frame ").contains(" in " + recording
+                            + ", the recording before it is " + part, "are not recorded");
+            server.process().toHandle().destroy();
+            JsonNode end = server.events().await("end", event -> true);
+            assertThat(end.at("/gaps/0").asString()).startsWith(recording + ": ")
+                    .endsWith("are not recorded");
+            assertThat(server.exitCode()).isEqualTo(1);
+        }
+        assertThat(folder.resolve("run.log.2")).doesNotExist();
+        for (Path each : List.of(part, recording)) {
+            assertThat(Reve.run("replay", each.toString()).out()).startsWith("identical: ");
+        }
+    }
+
+    /** Libraries and an image are written by a few writes, each frame by one. */
+    private static void awaitGrowth(Path file) throws IOException {
+        long last = Files.size(file);
+        for (int grown = 0; grown < 30; ) {
+            long size = Files.size(file);
+            grown += size > last ? 1 : 0;
+            last = size;
+            Thread.onSpinWait();
+        }
+    }
+
+    /** Another size that no file of the server may exceed [bytes]. */
+    private static void limit(Server server, String bytes) throws Exception {
+        assertThat(new ProcessBuilder("prlimit", "--pid",
+                String.valueOf(server.process().pid()), "--fsize=" + bytes).start().waitFor())
+                .isZero();
+    }
+
+    @Test
     void aRecordingEndsAtItsLimitAndTheRunGoesOn() throws Exception {
         Path recording = folder.resolve("run.log");
         JsonNode end;

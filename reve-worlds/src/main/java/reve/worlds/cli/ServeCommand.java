@@ -175,7 +175,7 @@ public final class ServeCommand implements Callable<Integer> {
                 server.start();
                 report = server.run();
             }
-            report = report.withUnkept(server.unkept());
+            report = report.lacking(server.unkept(), server.gaps());
             events.end(report);
             return report;
         }

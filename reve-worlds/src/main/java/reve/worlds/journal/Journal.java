@@ -91,6 +91,23 @@ public final class Journal implements AutoCloseable {
     }
 
     /**
+     * What a recording lacks.
+     *
+     * @param count of frames that are not recorded, the first one and the last
+     */
+    public record Gap(long count, long first, long last) {
+        Gap and(long frame) {
+            return new Gap(count + 1, first, frame);
+        }
+
+        @Override
+        public String toString() {
+            return count == 1 ? "frame " + first + " is not recorded"
+                    : count + " frames from " + first + " to " + last + " are not recorded";
+        }
+    }
+
+    /**
      * Begins with an image of the next frame that is published.
      *
      * @param members ids of the bodies of agents that are in the world, by agent
@@ -147,6 +164,11 @@ public final class Journal implements AutoCloseable {
     /** What is missing from a closed journal with images, if something is. */
     public Optional<Shortfall> shortfall() {
         return shortfall;
+    }
+
+    /** What a closed recording lacks, but for what is beyond its limit. */
+    public Optional<Gap> gap() {
+        return writer.gap();
     }
 
     private void keepLastImage() {

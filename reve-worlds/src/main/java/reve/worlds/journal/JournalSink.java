@@ -33,12 +33,18 @@ public interface JournalSink extends AutoCloseable {
         return Optional.empty();
     }
 
+    /** Whether it has the size that it was to have, and ends there. */
+    default boolean hasItsLimit() {
+        return false;
+    }
+
     /**
-     * Begins again with an empty file in place of the one that is missing.
+     * Begins again with an empty file in place of one that is missing, or that refused a record.
      *
+     * @return where that is, and what became of the file before it, for people
      * @throws IOException naming the file, if there can be none
      */
-    default void beginAnew() throws IOException {
+    default String beginAnew() throws IOException {
         throw new UnsupportedOperationException("no file is missing");
     }
 

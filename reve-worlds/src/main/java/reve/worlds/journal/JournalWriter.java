@@ -11,6 +11,7 @@ import java.util.concurrent.TimeUnit;
 import java.util.concurrent.atomic.AtomicBoolean;
 import java.util.concurrent.locks.LockSupport;
 import java.util.function.Consumer;
+import java.util.function.Supplier;
 import org.jspecify.annotations.Nullable;
 import reve.pe.adapter.LawChange;
 import reve.pe.adapter.LawLibrary;
@@ -43,11 +44,21 @@ final class JournalWriter {
     private boolean begun;
     /** Frame that what is kept leads to without a gap, -1 for none. Final when the writer ends. */
     private long reached = -1;
+    /** Frame of the image that began it last. */
+    private long begunAt = -1;
     private boolean lastImageKept = true;
     private final AtomicBoolean beginsAnew = new AtomicBoolean();
     private long lookedNanos = System.nanoTime();
     /** The file was moved or removed, and there is no other one in its place yet. */
     private boolean missing;
+    /** A recording could not be written, and does not go on yet in another file. */
+    private volatile boolean refused;
+    /** Whether it was told why it cannot go on in another file. */
+    private boolean toldStay;
+    /** Where one has begun, for people; empty if none has. */
+    private String place = "";
+    /** Frames that a recording lacks. Final when the writer ends. */
+    private Optional<Journal.Gap> gap = Optional.empty();
     private volatile boolean ending;
     private volatile @Nullable Throwable failure;
 
@@ -91,6 +102,11 @@ final class JournalWriter {
         return reached;
     }
 
+    /** After the end: the frames that a recording lacks, but for those beyond its limit. */
+    Optional<Journal.Gap> gap() {
+        return gap;
+    }
+
     /** After the end: whether the image of the end is kept, if there was to be one. */
     boolean isLastImageKept() {
         return lastImageKept && failure == null;
@@ -121,8 +137,12 @@ final class JournalWriter {
         } finally {
             disk.close();
             if (begun) {
-                sink.missing().ifPresent(file -> problems.accept(file + " was moved or removed;"
-                        + " what was recorded is no longer there"));
+                sink.missing().ifPresent(file -> {
+                    problems.accept(file + " was moved or removed;"
+                            + " what was recorded is no longer there");
+                    gap = gap.or(() -> Optional.of(
+                            new Journal.Gap(reached - begunAt + 1, begunAt, reached)));
+                });
             }
             attempt(sink::close, "; what was written before is there");
         }
@@ -159,10 +179,14 @@ final class JournalWriter {
     /** A file that was moved or removed takes what is written along: begins another one. */
     private void lookAfterFile() {
         long now = System.nanoTime();
-        if (!begun && !missing || now - lookedNanos < LOOK_NANOSECONDS) {
+        if (!begun && !missing && !refused || now - lookedNanos < LOOK_NANOSECONDS) {
             return;
         }
         lookedNanos = now;
+        if (refused) {
+            beginAfterRefusal();
+            return;
+        }
         Optional<Path> file = sink.missing();
         if (file.isEmpty() && !missing) {
             return;
@@ -185,6 +209,20 @@ final class JournalWriter {
         }
     }
 
+    /** A new file, which begins with an image, as soon as there is room for one. */
+    private void beginAfterRefusal() {
+        try {
+            place = sink.beginAnew();
+            missing = false;
+            beginsAnew.set(true);
+        } catch (IOException e) {
+            if (!toldStay) {
+                problems.accept("no other recording can begin: " + reason(e));
+            }
+            toldStay = true;
+        }
+    }
+
     private interface Step {
         void run() throws IOException;
     }
@@ -194,11 +232,17 @@ final class JournalWriter {
      * as for want of memory, costs no more than a disk that refuses.
      */
     private boolean attempt(Step step, String consequence) {
+        return attempt(step, () -> consequence);
+    }
+
+    private boolean attempt(Step step, Supplier<String> consequence) {
         try {
             step.run();
             return true;
         } catch (Throwable e) {
-            problems.accept(reason(e) + consequence);
+            if (!refused) { // else told before
+                problems.accept(reason(e) + consequence.get());
+            }
             return false;
         }
     }
@@ -211,12 +255,16 @@ final class JournalWriter {
     /** A frame that cannot be written costs the journal up to the next image, and nothing else. */
     private void take(Entry entry) {
         if (begun && !entry.begins && !entry.last) {
-            begun = attempt(() -> addFrame(entry), plan.imageFrames() == 0
-                    ? "; the recording ends before frame " + entry.frame
+            begun = attempt(() -> addFrame(entry), () -> plan.imageFrames() == 0
+                    ? sink.hasItsLimit() ? "; the recording ends before frame " + entry.frame
+                    : "; the frames from " + entry.frame + " on are not recorded, until a new "
+                    + "recording can begin"
                     : "; a crash before the next image loses the frames from " + entry.frame
                     + " on");
             if (begun) {
                 reached = entry.frame;
+            } else {
+                refused = isRecordingRefused();
             }
         }
         if (entry.image != null) {
@@ -225,7 +273,25 @@ final class JournalWriter {
                 begun = false;
                 lastImageKept &= !entry.last;
             }
+            if (begun && refused) {
+                refused = false;
+                toldStay = false;
+                problems.accept((place.isEmpty() ? "the recording goes on with frame " + entry.frame
+                        : "a new recording begins with frame " + entry.frame + " in " + place)
+                        + gap.map(lack -> "; " + lack).orElse(""));
+                place = "";
+            } else if (!begun) {
+                refused |= isRecordingRefused();
+            }
         }
+        if (!begun && (refused || missing)) {
+            gap = Optional.of(gap.map(lack -> lack.and(entry.frame))
+                    .orElseGet(() -> new Journal.Gap(1, entry.frame, entry.frame)));
+        }
+    }
+
+    private boolean isRecordingRefused() {
+        return plan.imageFrames() == 0 && !sink.hasItsLimit();
     }
 
     private void addFrame(Entry entry) throws IOException {
@@ -266,6 +332,7 @@ final class JournalWriter {
             begun = kept.join();
             lastImageKept &= begun || !entry.last;
             reached = begun ? entry.frame : reached;
+            begunAt = entry.frame;
         }
     }
 

@@ -7,6 +7,7 @@ import java.nio.file.AccessDeniedException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.Optional;
+import java.util.stream.IntStream;
 import reve.core.disk.OwnedFile;
 
 /**
@@ -116,12 +117,7 @@ public final class Recording implements JournalSink {
 
     @Override
     public Place place() {
-        return (libraries, image) -> {
-            for (JournalRecord.Library library : libraries) {
-                write(library);
-            }
-            write(image);
-        };
+        return (libraries, image) -> writer.write(libraries, image);
     }
 
     @Override
@@ -135,11 +131,30 @@ public final class Recording implements JournalSink {
     }
 
     @Override
-    public void beginAnew() throws IOException {
+    public boolean hasItsLimit() {
+        return writer.hasItsLimit();
+    }
+
+    @Override
+    public String beginAnew() throws IOException {
+        if (owned.isInPlace()) {
+            requireRoomForOlder();
+            owned.close(); // else this process itself has it locked
+        }
         OwnedFile fresh = open();
         owned.close();
         owned = fresh;
         writer = writer();
+        return file + older.map(part -> ", the recording before it is " + part).orElse("");
+    }
+
+    /** A disk that becomes full again and again must not push out the recordings before. */
+    private void requireRoomForOlder() throws IOException {
+        if (Files.size(file) > RunLog.EMPTY_BYTES && IntStream.rangeClosed(1, plan.keep())
+                .allMatch(i -> Files.exists(OwnedFile.older(file, i)))) {
+            throw new IOException(file + " has " + plan.keep() + " older files, of which none is "
+                    + "given up for a part of a recording; move some away");
+        }
     }
 
     @Override

@@ -16,6 +16,7 @@ import java.util.Arrays;
 import java.util.HashSet;
 import java.util.HexFormat;
 import java.util.Iterator;
+import java.util.List;
 import java.util.NoSuchElementException;
 import java.util.Optional;
 import java.util.Set;
@@ -139,6 +140,28 @@ public final class RunLog {
                 case JournalRecord.Image image -> add(encoded('I', image.frame(), image.bytes()));
                 case JournalRecord.Frame frame -> add(encoded('F', frame.frame(), frame.json()));
             }
+        }
+
+        /** All of them or none. */
+        void write(List<JournalRecord.Library> needed, JournalRecord.Image image)
+                throws IOException {
+            long end = channel.position();
+            Set<String> before = Set.copyOf(libraries);
+            try {
+                for (JournalRecord.Library library : needed) {
+                    write(library);
+                }
+                write(image);
+            } catch (IOException e) {
+                takeBack(end, e);
+                libraries.retainAll(before);
+                throw e;
+            }
+        }
+
+        /** Whether a record was refused because the file would become too large. */
+        boolean hasItsLimit() {
+            return full;
         }
 
         /** Waits until what was written outlives a power failure. Any thread. */

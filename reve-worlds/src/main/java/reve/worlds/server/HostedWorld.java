@@ -39,6 +39,7 @@ final class HostedWorld implements AutoCloseable {
     private final BodyCameras cameras;
     private final @Nullable LawFolder laws;
     private @Nullable Journal storeJournal;
+    private @Nullable Journal recordingJournal;
     private Optional<String> unkept = Optional.empty();
     private Optional<Path> olderRecording = Optional.empty();
 
@@ -96,7 +97,7 @@ final class HostedWorld implements AutoCloseable {
         if (persistence.recording().isPresent()) {
             Recording recording = new Recording(persistence.recording().get());
             olderRecording = recording.older();
-            closing.add(simulation.journal(persistence.folder(), Map.of(),
+            recordingJournal = closing.add(simulation.journal(persistence.folder(), Map.of(),
                     new Journal.Plan(0, waits), recording,
                     problem -> tellProblem("recording", problem)));
         }
@@ -177,6 +178,12 @@ final class HostedWorld implements AutoCloseable {
     /** After close: what the store lacks, if it lacks something. */
     Optional<String> unkept() {
         return unkept;
+    }
+
+    /** After close: what the recording lacks, if it lacks something. */
+    Optional<String> gap() {
+        return Optional.ofNullable(recordingJournal).flatMap(Journal::gap)
+                .map(gap -> plan.persistence().recording().orElseThrow().file() + ": " + gap);
     }
 
     private void tellEvents(FrameEvent frame) {

@@ -13,25 +13,28 @@ import reve.core.agent.AgentStats;
  * @param runs of the worlds that did not fail
  * @param worlds how many there were
  * @param unkept what their stores lack
+ * @param gaps what their recordings lack
  */
 public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents,
-        List<String> unkept) {
+        List<String> unkept, List<String> gaps) {
     public ServerReport {
         runs = List.copyOf(runs);
         unkept = List.copyOf(unkept);
+        gaps = List.copyOf(gaps);
     }
 
-    /** The same run, of which stores lack something. */
-    public ServerReport withUnkept(List<String> messages) {
-        return new ServerReport(runs, worlds, agents, messages);
+    /** The same run, of which stores and recordings lack something. */
+    public ServerReport lacking(List<String> inStores, List<String> inRecordings) {
+        return new ServerReport(runs, worlds, agents, inStores, inRecordings);
     }
 
     /**
-     * True if a world ended by a failure, messages lack their audit record, or a store lacks the
-     * end of the run. A fault event has reported it when it happened.
+     * True if a world ended by a failure, messages lack their audit record, a store lacks the end
+     * of the run, or a recording lacks frames. A fault event has reported it when it happened.
      */
     public boolean failed() {
-        return runs.size() < worlds || agents.unrecorded() > 0 || !unkept.isEmpty();
+        return runs.size() < worlds || agents.unrecorded() > 0 || !unkept.isEmpty()
+                || !gaps.isEmpty();
     }
 
     /** For JSON; the caller may add to it. */
@@ -54,6 +57,9 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents,
         if (!unkept.isEmpty()) {
             fields.put("unkept", unkept);
         }
+        if (!gaps.isEmpty()) {
+            fields.put("gaps", gaps);
+        }
         return fields;
     }
 
@@ -68,5 +74,6 @@ public record ServerReport(List<RunReport> runs, int worlds, AgentStats agents,
             out.printf(Locale.ROOT, "audit: %d messages have no record%n", agents.unrecorded());
         }
         unkept.forEach(message -> out.println("store: " + message));
+        gaps.forEach(message -> out.println("recording: " + message));
     }
 }

@@ -104,7 +104,7 @@ public final class WorldServer implements AutoCloseable {
         runs.forEach(Run::join);
         return new ServerReport(runs.stream().flatMap(run -> Optional.ofNullable(run.report)
                 .stream())
-                .toList(), worlds.size(), agents.stats(), List.of());
+                .toList(), worlds.size(), agents.stats(), List.of(), List.of());
     }
 
     /** One world on a thread of its own. */
@@ -149,6 +149,11 @@ public final class WorldServer implements AutoCloseable {
     /** After close: what the stores of the worlds lack, one message for each such store. */
     public List<String> unkept() {
         return worlds.stream().flatMap(world -> world.unkept().stream()).toList();
+    }
+
+    /** After close: what recordings lack. */
+    public List<String> gaps() {
+        return worlds.stream().flatMap(world -> world.gap().stream()).toList();
     }
 
     /** Says goodbye to agents, finishes pictures, frees everything. May be called twice. */

@@ -37,7 +37,7 @@ class WorldServerNativeTest {
         Queue<String> told = new ConcurrentLinkedQueue<>();
         ServerEvents events = (event, fields) -> {
             String message = String.valueOf(fields.get("message"));
-            if (message.contains("the recording ends before frame")) {
+            if (message.contains("are not recorded, until")) {
                 throw new OutOfMemoryError("while it was told");
             }
             told.add(event + " of " + fields.get("world") + ": " + message);
