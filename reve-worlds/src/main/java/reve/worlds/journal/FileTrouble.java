@@ -9,6 +9,7 @@ import java.nio.file.NoSuchFileException;
 import java.nio.file.Path;
 import java.nio.file.StandardOpenOption;
 import java.sql.SQLException;
+import java.util.Optional;
 import org.sqlite.SQLiteErrorCode;
 
 /** Why a file could not be opened, read or written, in words. */
@@ -37,6 +38,15 @@ final class FileTrouble {
             default -> e.getMessage();
         };
         return new IOException(file + " could not be " + what + ": " + reason, e);
+    }
+
+    /** What stands in place of a file and cannot be read as one, if something does. */
+    static Optional<String> noFile(Path file) {
+        if (Files.isDirectory(file)) {
+            return Optional.of(file + " is a folder");
+        }
+        return Files.isSymbolicLink(file) && !Files.exists(file)
+                ? Optional.of(file + " is a link to a file that is not there") : Optional.empty();
     }
 
     static String reason(Path file, IOException e) {

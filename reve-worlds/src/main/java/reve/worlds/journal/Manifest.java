@@ -86,6 +86,10 @@ final class Manifest implements AutoCloseable {
      */
     static Optional<Claim> read(Path store) throws IOException {
         Path file = path(store);
+        Optional<String> no = FileTrouble.noFile(file);
+        if (no.isPresent()) {
+            throw new CorruptException(no.get());
+        }
         if (!Files.exists(file) || Files.size(file) == 0) {
             return Optional.empty();
         }

@@ -2,6 +2,7 @@ package reve.worlds.journal;
 
 import java.io.IOException;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
@@ -136,13 +137,13 @@ public final class StoreContents {
         return records;
     }
 
-    /** All files of the store that are there. */
+    /** All files of the store that are there, and what stands in place of one. */
     public List<Path> files() {
         List<Path> all = new ArrayList<>(List.of(file));
         all.addAll(files.values());
         all.add(Manifest.path(file));
         all.addAll(StoreDatabase.besides(file));
-        return all.stream().filter(Files::exists).toList();
+        return all.stream().filter(each -> Files.exists(each, LinkOption.NOFOLLOW_LINKS)).toList();
     }
 
     /** @throws CorruptException saying what is missing, what is left and what to do */
@@ -225,7 +226,7 @@ public final class StoreContents {
     private void requireImageBeforeFrames() throws IOException {
         if (rows.images().isEmpty()) {
             for (Path each : files.values()) {
-                if (Files.size(each) > RunLog.LINKED_BYTES) {
+                if (Files.isRegularFile(each) && Files.size(each) > RunLog.LINKED_BYTES) {
                     damage.add(file + " holds no image, but " + each + " holds frames");
                 }
             }
@@ -332,8 +333,9 @@ public final class StoreContents {
     private FrameFile frames(long number) throws IOException {
         Path path = files.get(number);
         List<JournalRecord> records = new ArrayList<>();
-        if (Files.size(path) < RunLog.EMPTY_BYTES) {
-            return new FrameFile(number, path, Optional.empty(), records, Optional.empty());
+        Optional<String> no = FileTrouble.noFile(path);
+        if (no.isPresent() || Files.size(path) < RunLog.EMPTY_BYTES) {
+            return new FrameFile(number, path, Optional.empty(), records, no);
         }
         try (RunLog.Reader reader = RunLog.open(path)) {
             Optional<String> found = Optional.empty();
@@ -492,6 +494,13 @@ public final class StoreContents {
             if (Files.exists(each) && !Files.isRegularFile(each) && !Files.isDirectory(each)) {
                 throw new IOException(each + " is a device or a pipe, expected a file of the store "
                         + file + "; move it away (nothing was changed)");
+            }
+        }
+        for (Path each : StoreDatabase.besides(file)) { // SQLite would make the file it leads to
+            if (Files.isSymbolicLink(each) && !Files.exists(each)) {
+                throw new IOException(each + " is a link to a file that is not there, expected a "
+                        + "file of the store " + file + "; put that file back, or remove the link "
+                        + "(nothing was changed)");
             }
         }
     }

@@ -4,6 +4,7 @@ import java.io.IOException;
 import java.nio.ByteBuffer;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.security.MessageDigest;
 import java.security.NoSuchAlgorithmException;
@@ -178,7 +179,8 @@ final class StoreDatabase {
      * beside the database even so, which are removed again.
      */
     private static void reading(Path file, Query query) throws IOException {
-        List<Path> made = besides(file).stream().filter(beside -> !Files.exists(beside)).toList();
+        List<Path> made = besides(file).stream()
+                .filter(beside -> !Files.exists(beside, LinkOption.NOFOLLOW_LINKS)).toList();
         SQLiteConfig config = new SQLiteConfig();
         config.setReadOnly(true);
         config.setBusyTimeout(0);

@@ -1,6 +1,7 @@
 package reve.worlds.server;
 
 import java.io.IOException;
+import java.nio.file.FileAlreadyExistsException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
@@ -11,6 +12,7 @@ import java.util.Objects;
 import java.util.Optional;
 import java.util.stream.Stream;
 import org.jspecify.annotations.Nullable;
+import reve.core.disk.Reason;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
 import reve.pe.PhysicsException;
@@ -56,6 +58,7 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
      *
      * @return what the store was and, if there is one now, the folder
      * @throws CorruptException if nothing can be recovered; nothing is changed then
+     * @throws IOException if a file cannot be read, written or moved; all is as it was then
      */
     public static Map.Entry<StoreCheck, Optional<Path>> repair(Path store, LawPath laws)
             throws IOException {
@@ -77,21 +80,41 @@ public record StoreCheck(Path store, boolean isWhole, long frame, long knownFram
         Path repaired = place.resolve(store.getFileName());
         try {
             write(made, repaired);
+            Map<Path, Path> moves = new LinkedHashMap<>();
+            for (Path file : made.contents().files()) {
+                moves.put(file, aside.resolve(file.getFileName()));
+            }
+            // The database last: until it is there, the store is refused.
+            for (Path file : StoreContents.read(repaired).files().reversed()) {
+                moves.put(file, store.resolveSibling(file.getFileName()));
+            }
+            moveAll(moves);
         } catch (IOException | RuntimeException e) {
             removeFolder(place);
             Files.delete(aside);
             throw e;
         }
-        for (Path file : made.contents().files()) {
-            Files.move(file, aside.resolve(file.getFileName()));
-        }
-        // The database last: until it is there, the store is refused.
-        List<Path> whole = new ArrayList<>(StoreContents.read(repaired).files());
-        for (Path file : whole.reversed()) {
-            Files.move(file, store.resolveSibling(file.getFileName()));
-        }
         Files.delete(place);
         return Map.entry(made.check(), Optional.of(aside));
+    }
+
+    /** All of them, in their order, or none. */
+    static void moveAll(Map<Path, Path> moves) throws IOException {
+        List<Path> done = new ArrayList<>();
+        for (Map.Entry<Path, Path> move : moves.entrySet()) {
+            try {
+                Files.move(move.getKey(), move.getValue());
+                done.add(move.getKey());
+            } catch (IOException e) {
+                for (Path file : done.reversed()) {
+                    Files.move(moves.get(file), file);
+                }
+                throw new IOException(move.getKey() + " could not be moved to " + move.getValue()
+                        + ": " + (e instanceof FileAlreadyExistsException
+                        ? "there is a file already" : Reason.of(e))
+                        + " (everything was put back)", e);
+            }
+        }
     }
 
     private static void removeFolder(Path folder) throws IOException {

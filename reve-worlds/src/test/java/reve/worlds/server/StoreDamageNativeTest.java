@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import java.io.IOException;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.sql.Connection;
 import java.sql.DriverManager;
@@ -13,6 +14,7 @@ import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.Collections;
 import java.util.HashMap;
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -117,6 +119,65 @@ class StoreDamageNativeTest {
                 .withMessageContaining("--laws");
         same(folder, damaged, "refused");
         assertThat(StoreCheck.of(store, laws).isWhole()).isTrue();
+    }
+
+    /** Links to nothing and folders are no files, but are moved away like them. */
+    @Test
+    void whatStandsInPlaceOfAFileIsNamedAndSetAside() throws Exception {
+        description = WorldFile.load(WORLD);
+        Map<String, byte[]> whole = killedAfter(50, "one", Map.of());
+        for (String name : List.of(NAME + "-manifest", whole.keySet().stream()
+                .filter(each -> each.contains("-frames-")).max(String::compareTo).orElseThrow())) {
+            for (boolean isFolder : List.of(true, false)) {
+                Path place = Files.createTempDirectory(folder, "instead");
+                write(place, whole);
+                Path instead = place.resolve(name);
+                Files.delete(instead);
+                if (isFolder) {
+                    Files.createFile(Files.createDirectory(instead).resolve("content"));
+                } else {
+                    Files.createSymbolicLink(instead, place.resolve("nowhere"));
+                }
+                assertThat(StoreCheck.of(place.resolve(NAME), LAWS).problems()).anyMatch(
+                        problem -> problem.contains(instead + (isFolder ? " is a folder"
+                        : " is a link to a file that is not there")));
+                assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> open(place))
+                        .withMessageContaining(instead.toString());
+                Path aside = StoreCheck.repair(place.resolve(NAME), LAWS).getValue()
+                        .orElseThrow();
+                assertThat(Files.exists(aside.resolve(name), LinkOption.NOFOLLOW_LINKS)).isTrue();
+                assertThat(open(place).problems()).isEmpty();
+            }
+        }
+    }
+
+    @Test
+    void aCheckLeavesALinkToNothingAloneAndMakesNoFileOfIt() throws Exception {
+        description = WorldFile.load(WORLD);
+        write(folder, killedAfter(50, "one", Map.of()));
+        Path link = folder.resolve(NAME + "-wal");
+        Files.deleteIfExists(link);
+        Path nowhere = folder.resolve("nowhere");
+        Files.createSymbolicLink(link, nowhere);
+        assertThatExceptionOfType(IOException.class)
+                .isThrownBy(() -> StoreCheck.of(folder.resolve(NAME), LAWS))
+                .withMessageStartingWith(link + " is a link to a file that is not there");
+        assertThat(link).isSymbolicLink();
+        assertThat(nowhere).doesNotExist();
+    }
+
+    @Test
+    void filesThatCannotAllBeMovedStayWhereTheyWere() throws Exception {
+        Map<Path, Path> moves = new LinkedHashMap<>();
+        for (String name : List.of("a", "b", "c")) {
+            moves.put(Files.writeString(folder.resolve(name), name), folder.resolve(name + "2"));
+        }
+        Path taken = Files.writeString(folder.resolve("c2"), "taken");
+        assertThatExceptionOfType(IOException.class).isThrownBy(() -> StoreCheck.moveAll(moves))
+                .withMessage(folder.resolve("c") + " could not be moved to " + taken
+                        + ": there is a file already (everything was put back)");
+        assertThat(files(folder).keySet()).containsExactly("a", "b", "c", "c2");
+        assertThat(taken).hasContent("taken");
     }
 
     private void update(String sql) throws SQLException {
