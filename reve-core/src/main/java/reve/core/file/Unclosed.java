@@ -25,6 +25,8 @@ final class Unclosed {
     private int at;
     private int line = 1;
     private int lineStart;
+    /** Of the line that is being read; -1 until it is asked for. */
+    private int indent = -1;
     /** The quoted text read last, if it is of several lines. */
     private @Nullable Opening quote;
     private int quoteEnd;
@@ -47,9 +49,9 @@ final class Unclosed {
         }
         boolean atEnd = text.substring(Math.min(scan.at, text.length())).lines()
                 .allMatch(rest -> rest.isBlank() || rest.stripLeading().startsWith("#"));
-        int indent = scan.indentOf(problemLine);
+        int outer = scan.indentOf(problemLine);
         return Optional.ofNullable(scan.brackets.peekLast()).filter(opening -> atEnd
-                || opening.line < problemLine && indent <= opening.indent);
+                || opening.line < problemLine && outer <= opening.indent);
     }
 
     private void read(int toLine, int toColumn) {
@@ -107,7 +109,7 @@ final class Unclosed {
 
     /** Lines of a block text are indented deeper than the line that it begins in. */
     private void skipBlock() {
-        int indent = indentOf(line);
+        int outer = indent();
         skipLine();
         while (at < text.length()) {
             int next = at + 1;
@@ -116,7 +118,7 @@ final class Unclosed {
                 depth++;
             }
             boolean empty = next + depth >= text.length() || text.charAt(next + depth) == '\n';
-            if (!empty && depth <= indent) {
+            if (!empty && depth <= outer) {
                 return;
             }
             newLine();
@@ -133,10 +135,18 @@ final class Unclosed {
         at++;
         line++;
         lineStart = at;
+        indent = -1;
     }
 
     private Opening opening(char sign) {
-        return new Opening(sign, line, at - lineStart + 1, indentOf(line));
+        return new Opening(sign, line, at - lineStart + 1, indent());
+    }
+
+    private int indent() {
+        if (indent < 0) {
+            indent = indentOf(line);
+        }
+        return indent;
     }
 
     private int indentOf(int which) {
@@ -144,11 +154,11 @@ final class Unclosed {
         for (int other = line; other > which; other--) {
             start = text.lastIndexOf('\n', start - 2) + 1;
         }
-        int indent = 0;
-        while (start + indent < text.length() && text.charAt(start + indent) == ' ') {
-            indent++;
+        int blanks = 0;
+        while (start + blanks < text.length() && text.charAt(start + blanks) == ' ') {
+            blanks++;
         }
-        return indent;
+        return blanks;
     }
 
     private boolean isBlankAt(int index) {

@@ -44,6 +44,14 @@ final class YamlReader {
     static final int MAX_KEYS = 65_536;
     /** Longest text of a key or a value [characters]. */
     static final int MAX_TEXT_LENGTH = 65_536;
+    /**
+     * Most characters that are read at once. For each piece the scanner copies what it has not
+     * taken, so that pieces of its default size make it quadratic in the length of a token.
+     */
+    private static final int MAX_PIECE = 1 << 20;
+    private static final int MIN_PIECE = 1024;
+    /** Longest part of a message of the parser, which may quote the file [characters]. */
+    private static final int MAX_QUOTE = 200;
 
     /** What begins with a sign that no world file has a use for, as the parser calls it. */
     private static final Map<String, String> SIGNS = Map.of(" tag", "`!` begins a tag",
@@ -65,6 +73,9 @@ final class YamlReader {
     private int documents;
     private boolean inItems;
     private int others;
+    /** The place of the text that was looked up last, in code points and in characters. */
+    private int passedPoints;
+    private int passed;
 
     private YamlReader(String text, boolean kept, Problems problems, Allowance values) {
         this.text = text;
@@ -86,7 +97,8 @@ final class YamlReader {
 
     private static Node read(String text, Problems problems, Allowance values, boolean kept)
             throws WorldFileException {
-        var settings = LoadSettings.builder().setCodePointLimit(Integer.MAX_VALUE).build();
+        var settings = LoadSettings.builder().setCodePointLimit(Integer.MAX_VALUE)
+                .setBufferSize(Math.clamp(text.length() + 2L, MIN_PIECE, MAX_PIECE)).build();
         var reader = new YamlReader(text, kept, problems, values);
         try {
             Iterator<Event> events =
@@ -183,7 +195,7 @@ final class YamlReader {
             throw fatal(scalar.getStartMark(), "a text of " + text.length()
                     + " characters; at most " + MAX_TEXT_LENGTH + " are allowed");
         }
-        if (!kept && Escapes.hasHalf(text)) {
+        if (!kept && !problems.full() && Escapes.hasHalf(text)) {
             Problem half = noCharacter(scalar.getStartMark());
             problems.add(half.line(), half.column(), pointerOfNext(), half.message());
         }
@@ -314,11 +326,13 @@ final class YamlReader {
 
     /** Blames the first escape from there on that stands for no character. */
     private Problem noCharacter(Optional<Mark> from) {
-        Optional<Escapes.Wrong> wrong = Escapes.find(text, offset(from));
-        String before = text.substring(0, wrong.map(Escapes.Wrong::offset).orElse(offset(from)));
+        int begin = offset(from);
+        Optional<Escapes.Wrong> wrong = Escapes.find(text, begin);
+        int at = wrong.map(Escapes.Wrong::offset).orElse(begin);
         return new Problem(Problem.Severity.ERROR, problems.file(),
-                1 + (int) before.chars().filter(c -> c == '\n').count(),
-                before.length() - before.lastIndexOf('\n'), "",
+                1 + from.map(Mark::getLine).orElse(0)
+                        + (int) text.substring(begin, at).chars().filter(c -> c == '\n').count(),
+                at - text.lastIndexOf('\n', at - 1), "",
                 wrong.map(Escapes.Wrong::message).orElse("not valid YAML: an escape in double "
                         + "quotes, such as `\\u00e9`, stands for no character"));
     }
@@ -327,9 +341,18 @@ final class YamlReader {
         return problems.fatal(problem.line(), problem.column(), problem.message());
     }
 
+    /** Goes on from the last place, because later values have later marks. */
     private int offset(Optional<Mark> mark) {
-        return mark.map(at -> text.offsetByCodePoints(0,
-                Math.min(at.getIndex(), text.codePointCount(0, text.length())))).orElse(0);
+        int points = mark.map(Mark::getIndex).orElse(0);
+        if (points < passedPoints) {
+            passedPoints = 0;
+            passed = 0;
+        }
+        while (passedPoints < points && passed < text.length()) {
+            passed += Character.charCount(text.codePointAt(passed));
+            passedPoints++;
+        }
+        return passed;
     }
 
     /** Blames the quote or bracket that is not closed, if one is. */
@@ -355,11 +378,11 @@ final class YamlReader {
     /** The parser's two half sentences as one, without its picture of the line. */
     private static String sentence(MarkedYamlEngineException syntax) {
         String context = syntax.getContext();
-        String problem = syntax.getProblem().replaceAll(" ?\\(Do not use [^\\\\].* for "
+        String problem = shorten(syntax.getProblem()).replaceAll(" ?\\(Do not use [^\\\\].* for "
                 + "indentation\\)", " Put the text in quotes")
                 .replaceAll("(?s)\\s\\((?:10|13)\\)|\\x00\\(0\\)", "the end of the line")
                 .replaceAll("(\\S)\\(\\d+\\)", "`$1`");
-        String what = context == null ? "" : context;
+        String what = context == null ? "" : shorten(context);
         for (Map.Entry<String, String> sign : SIGNS.entrySet()) {
             if (what.endsWith(sign.getKey())) {
                 return "not valid YAML: a " + sign.getValue() + ", which is not allowed; put a "
@@ -387,6 +410,10 @@ final class YamlReader {
                     + "look at the indentation, and at quotes within quotes";
         }
         return "not valid YAML: " + (what.isEmpty() ? problem : what + ", " + problem);
+    }
+
+    private static String shorten(String message) {
+        return message.length() <= MAX_QUOTE ? message : message.substring(0, MAX_QUOTE) + "…";
     }
 
     private static WorldFileException fatalAt(String text, ReaderException unprintable,

@@ -196,6 +196,40 @@ class CostlyWorldsTest {
         assertThat(large).isLessThan(30 * small);
     }
 
+    /** One value, comment or line of signs, which a scanner could copy for each piece it reads. */
+    @ParameterizedTest
+    @CsvSource(delimiter = '!', textBlock = """
+            ''            ! :     ! ''
+            'doc: |   a'  ! 'a,'  ! ''
+            'doc: '       ! 'a,'  ! ''
+            'doc: '       ! 'a]'  ! ''
+            'doc: ['      ! 'a::,::::"'  ! ']'
+            'doc: '       ! '\\"\\uD800\\", ' ! ''
+            'doc: ['      ! '\\"\\uD800\\", ' ! ']'
+            'doc: a #'    ! 'b,'  ! ''
+            'doc: "'      ! 'a,'  ! '"'
+            'doc: !<'     ! 'a,'  ! '>'
+            'doc: &'      ! 'a:'  ! ' x'
+            """)
+    void timeGrowsAsOneValue(String begin, String piece, String end) {
+        String opening = START + begin.replace("   ", "\n   ");
+        assertThat(nanosecondsToRefuse(opening + piece.repeat(1_200_000 / piece.length()) + end))
+                .isLessThan(30 * nanosecondsToRefuse(
+                        opening + piece.repeat(150_000 / piece.length()) + end));
+    }
+
+    /** Each bracket looked at the blanks that its line begins with. */
+    @Test
+    void timeOfAnUnclosedBracketGrowsAsTheFile() {
+        String line = START + "doc:\n" + " ".repeat(30_000);
+        assertThat(nanosecondsToRefuse(line + "[" + "[],".repeat(80_000)))
+                .isLessThan(30 * nanosecondsToRefuse(line + "[" + "[],".repeat(10_000)));
+    }
+
+    private static long nanosecondsToRefuse(String text) {
+        return least(() -> problems(text));
+    }
+
     /** With a number, or with one of 2^16 names that have one hash. */
     private static String piece(String piece, int number) {
         return piece.formatted(number, IntStream.range(0, 16)
@@ -203,13 +237,18 @@ class CostlyWorldsTest {
                 .collect(Collectors.joining()));
     }
 
-    /** Processor time of this thread, the least of three. */
     private static long nanoseconds(String text) throws WorldFileException {
+        read(text);
+        return least(() -> problems(text));
+    }
+
+    /** Processor time of this thread, the least of three. */
+    private static long least(Runnable work) {
         var threads = ManagementFactory.getThreadMXBean();
         long least = Long.MAX_VALUE;
         for (int i = 0; i < 3; i++) {
             long begin = threads.getCurrentThreadCpuTime();
-            read(text);
+            work.run();
             least = Math.min(least, threads.getCurrentThreadCpuTime() - begin);
         }
         return least;
