@@ -9,6 +9,8 @@ final class Expansion {
     static final int MAX_VALUES = 10_000_000;
     /** Most items, with their repetitions. */
     static final int MAX_ITEMS = 1_000_000;
+    /** Most formulas that are worked out for all repetitions. */
+    static final int MAX_FORMULAS = 10_000_000;
 
     private final Problems problems;
     private final SourceFiles files;
@@ -36,6 +38,7 @@ final class Expansion {
         private final Problems problems;
         private final Allowance left = new Allowance(MAX_VALUES);
         private final Allowance itemsLeft = new Allowance(MAX_ITEMS);
+        private final Allowance formulasLeft = new Allowance(MAX_FORMULAS);
 
         private Room(Problems problems) {
             this.problems = problems;
@@ -46,6 +49,15 @@ final class Expansion {
             if (!itemsLeft.take(count)) {
                 throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
                         + MAX_ITEMS + " items with their repetitions");
+            }
+        }
+
+        /** @throws WorldFileException at the item if its repetitions have too many formulas */
+        void requireFormulas(long count, Node item) throws WorldFileException {
+            if (!formulasLeft.take(count)) {
+                throw problems.of(item.file()).fatal(item.line(), item.column(), "more than "
+                        + MAX_FORMULAS + " formulas in all items with their repetitions; a text "
+                        + "counts as one more for each 64 characters");
             }
         }
 
@@ -112,6 +124,8 @@ final class Expansion {
         }
         var template = new Template(item, repetition.variables(), problems);
         values.require(Math.min(repetition.count(), MAX_VALUES) * (1 + template.size()), item);
+        values.requireFormulas(Math.min(repetition.count(), MAX_FORMULAS + 1L)
+                * template.formulas(), item);
         Optional<Node> fixed = item.get("name").filter(node -> node.text()
                 .filter(name -> name.indexOf('{') < 0).isPresent());
         if (fixed.isPresent() && repetition.count() > 1) {

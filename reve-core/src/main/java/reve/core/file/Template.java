@@ -13,6 +13,11 @@ import java.util.regex.Pattern;
  * nothing else is its number, or a list of its numbers. {@code {{} and {@code }}} are plain braces.
  */
 final class Template {
+    /** Longest text that formulas make [characters]. */
+    static final int MAX_TEXT = 4096;
+    /** So many characters of a text with formulas cost as much as one formula. */
+    private static final int CHARACTERS_OF_A_FORMULA = 64;
+
     private static final Pattern PIECE = Pattern.compile(
             "(\\{\\{|\\}\\})|\\{([^{}]*)\\}|([{}])|[^{}]+");
     /** As many values of a mapping or list are copied with it and not counted. */
@@ -39,6 +44,7 @@ final class Template {
     private final Maker maker;
     private final List<Part> parts = new ArrayList<>();
     private int made;
+    private long formulas;
 
     /** @param variables the names that formulas may use; what is wrong with them is noted */
     Template(Node item, List<String> variables, Problems problems) {
@@ -50,6 +56,11 @@ final class Template {
     /** How many values are made anew for each item, or copied into one that is. */
     int size() {
         return made;
+    }
+
+    /** How many formulas are worked out for each item; long ones and long texts count as more. */
+    long formulas() {
+        return formulas;
     }
 
     /**
@@ -148,6 +159,7 @@ final class Template {
 
     private Maker text(Node node, String text) {
         made++;
+        formulas += text.length() / CHARACTERS_OF_A_FORMULA;
         List<Object> pieces = new ArrayList<>();
         Matcher piece = PIECE.matcher(text);
         while (piece.find()) {
@@ -167,6 +179,7 @@ final class Template {
     }
 
     private void formula(Node node, String text, List<Object> pieces) {
+        formulas++;
         try {
             pieces.add(Formula.parse(text, variables));
         } catch (IllegalArgumentException wrong) {
@@ -191,6 +204,11 @@ final class Template {
                 }
             } else {
                 text.append(piece);
+            }
+            if (text.length() > MAX_TEXT) {
+                problems.add(node, node.label() + ": formulas make a text of more than " + MAX_TEXT
+                        + " characters" + where(variableValues));
+                return node.withValue("");
             }
         }
         return node.withValue(text.toString());

@@ -63,6 +63,24 @@ class CostlyWorldsTest {
                 "w:1002:3: properties: found 1001 in all files, expected at most 1000");
     }
 
+    /** The name's formula is wrong in each repetition, which would be told if it was worked out. */
+    @Test
+    void formulasAreCountedBeforeAnyIsWorkedOut() {
+        assertThat(problems(START + "items: [{name: 'a{1/0}', repeat: 20000, semantic: {x: '"
+                + "{i} ".repeat(16_000) + "'}}]\n")).singleElement().satisfies(problem ->
+                assertThat(problem.toString()).startsWith("w:3:9: more than 10000000 formulas"));
+    }
+
+    @Test
+    void theLengthOfATextThatFormulasMakeIsCheckedAtTheFirstRepetition() {
+        assertThat(problems(START + "items: [{name: 'a{i}', repeat: 3, semantic: {x: '"
+                + "{i} ".repeat(3_000) + "'}}]\n")).singleElement().satisfies(problem ->
+                assertThat(problem.message()).contains(
+                        "x: formulas make a text of more than 4096 characters where i = 0"));
+        assertThat(problems(START + "items: [{name: 'a{i}', repeat: 3, semantic: {x: '"
+                + "{i} ".repeat(2_000) + "'}}]\n")).isEmpty();
+    }
+
     @Test
     void whatWasMeantIsLookedForOnlySoOften() {
         List<Problem> problems = problems(START + "items:\n" + times(1000, i -> "- {name: body-" + i
