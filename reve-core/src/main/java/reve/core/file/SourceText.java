@@ -37,7 +37,9 @@ final class SourceText {
                     ? "a folder; name the world file in it" : "not a regular file");
         }
         try (InputStream in = Files.newInputStream(path)) {
-            return decode(in.readNBytes(MAX_BYTES + 1), problems, bytes);
+            // what has no size, such as /proc/kmsg, may wait for ever
+            int size = (int) Math.min(Files.size(path), MAX_BYTES + 1L);
+            return decode(in.readNBytes(size), problems, bytes);
         }
     }
 

@@ -7,6 +7,7 @@ import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
 import java.util.Optional;
 import java.util.Set;
+import reve.core.mesh.AssetException;
 import reve.core.mesh.Assets;
 import reve.core.mesh.WorldFolder;
 import reve.core.world.ItemDefinition;
@@ -19,6 +20,9 @@ import reve.core.world.WorldPrototype;
 public final class WorldFile {
     /** The format version that {@code reve:} names. */
     public static final int FORMAT_VERSION = 1;
+
+    /** Of the world file in a folder. */
+    public static final String NAME = "world.yaml";
 
     private WorldFile() {}
 
@@ -33,6 +37,22 @@ public final class WorldFile {
         var folder = new WorldFolder(path.toAbsolutePath().getParent());
         return new WorldReader(new Assets(folder), problems)
                 .read(WorldSource.read(path, folder, problems));
+    }
+
+    /**
+     * As {@link #load}, of the {@value #NAME} of a folder, which leads out of it no more than what
+     * it names does: nobody chose that file.
+     *
+     * @throws WorldFileException if it is a link out of the folder, or not a regular file
+     */
+    public static WorldDescription loadFolder(Path folder) throws WorldFileException, IOException {
+        Path file = folder.resolve(NAME);
+        try {
+            new WorldFolder(folder).find(NAME);
+        } catch (AssetException refused) {
+            throw new Problems(file.toString()).fatal(1, 1, refused.getMessage());
+        }
+        return load(file);
     }
 
     /**

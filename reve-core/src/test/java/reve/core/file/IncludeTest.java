@@ -200,4 +200,20 @@ class IncludeTest {
         assertThat(refused).hasMessage("world.yaml:3:11: include[0]: a.yaml: a world that is not "
                 + "read from a file has no folder to find it in");
     }
+
+    /** Its lines would be quoted in messages; a file that the user names may be a link. */
+    @Test
+    void theWorldFileOfAFolderIsInTheFolder(@TempDir Path other) throws Exception {
+        Path outside = Files.writeString(other.resolve("w.yaml"), START);
+        Path link = Files.createSymbolicLink(folder.resolve("world.yaml"), outside);
+        assertThat(catchThrowableOfType(WorldFileException.class,
+                () -> WorldFile.loadFolder(folder))).hasMessageContaining(
+                        "world.yaml: a link that leads out of the world's folder");
+        assertThat(WorldFile.load(link).name()).isEqualTo("w");
+
+        Files.delete(link);
+        write("here.yaml", START);
+        Files.createSymbolicLink(link, Path.of("here.yaml"));
+        assertThat(WorldFile.loadFolder(folder).name()).isEqualTo("w");
+    }
 }

@@ -27,7 +27,7 @@ final class WorldArgument {
 
     /** The file itself. */
     Path file() {
-        return Files.isDirectory(path) ? path.resolve("world.yaml") : path;
+        return Files.isDirectory(path) ? path.resolve(WorldFile.NAME) : path;
     }
 
     /** Where the file is, with what it uses. */
@@ -52,7 +52,7 @@ final class WorldArgument {
                     + "; name a file, or a folder that holds a world.yaml");
         }
         try (Patience _ = new Patience(System.err, "reading " + file)) {
-            return WorldFile.load(file);
+            return Files.isDirectory(path) ? WorldFile.loadFolder(path) : WorldFile.load(file);
         }
     }
 }
