@@ -101,8 +101,10 @@ public final class PhysicsAdapter implements FrameListener, AutoCloseable {
         while (!advanced(frame)) {
             redoneFrames++;
         }
-        arrests.forEach(one -> laws.arrested(frame.frame(), one.item, one.failure));
-        arrests.clear();
+        if (!arrests.isEmpty()) {
+            arrests.forEach(one -> laws.arrested(frame.frame(), one.item, one.failure));
+            arrests.clear();
+        }
         advanceNanoseconds += System.nanoTime() - copied;
         frames++;
     }
