@@ -7,9 +7,10 @@ For each attack a server is started on tests/siege/square.yaml. Three innocent a
 perceives every frame, `slow` does too but reads nothing for 3 s of every 4, and `learner` is in
 lock-step and ready at once. Their rates are measured alone, then beside the attack. Each attack
 runs in processes of its own. A line tells perceptions a second of `steady` (which are the frames
-of the world), its longest gap, whether an innocent agent was disconnected, and which laws were
-quarantined. An attack has succeeded if an agent was disconnected, a law is gone, the server died,
-or `steady` has less than half of its rate. Exits with 1 if one has.
+of the world), its longest gap, which innocent agents were disconnected, which laws were
+quarantined, and how many attackers still run at the end. An attack has succeeded if an agent was
+disconnected, a law is gone, the server died, or `steady` has less than half of its rate. Exits with
+1 if one has.
 """
 
 import argparse
@@ -126,32 +127,28 @@ def returning_lock_step(port, me):
 
 
 def leaving_lock_step(port, me):
-    """Never says a word, leaves just before its deadline, and comes under another name."""
+    """Says nothing, and leaves when another one of it has come: each puts off the one before."""
+    before = None
     for n in range(10**9):
         client = Client(port, f"mallory-{me}-{n}", time=LOCK_STEP)
+        client.await_("welcome")
+        if before:
+            before.close()
+        before = client
         time.sleep(0.9)
-        client.close()
 
 
-def graced(port, me):
-    """Leaves bodies behind."""
-    for n in range(10**9):
-        client = Client(port, f"mallory-{me}-{n}", graceSeconds=60)
-        try:
-            client.await_("welcome")
-        except OSError:
-            time.sleep(0.01)
-        client.close()
-
-
-def comes_and_goes(port, me):
-    for n in range(10**9):
-        client = Client(port, f"mallory-{me}-{n}")
-        try:
-            client.await_("welcome")
-        except OSError:
-            time.sleep(0.01)
-        client.close()
+def joins(**hello):
+    """Comes and goes, under ever new names."""
+    def attack(port, me):
+        for n in range(10**9):
+            client = Client(port, f"mallory-{me}-{n}", **hello)
+            try:
+                client.await_("welcome")
+            except OSError:  # turned away, for example while the world is full
+                time.sleep(0.01)
+            client.close()
+    return attack
 
 
 def crowd(port, me):
@@ -251,8 +248,8 @@ ATTACKS = {
     "twice-late": ([twice_late_lock_step] * 3, "lock-step, two rounds of three missed"),
     "returning": ([returning_lock_step] * 3, "lock-step, ever anew under other names"),
     "leaving": ([leaving_lock_step], "lock-step without a word, gone before each deadline"),
-    "grace": ([graced] * 2, "bodies left behind with graceSeconds"),
-    "coming": ([comes_and_goes] * 2, "agents that come and go"),
+    "grace": ([joins(graceSeconds=60)] * 2, "bodies left behind with graceSeconds"),
+    "coming": ([joins()] * 2, "agents that come and go"),
     "crowd": ([crowd] * 2, "1,000 agents that perceive every frame, with relations"),
     "deaf": ([deaf] * 2, "400 agents that ask for everything and read nothing"),
     "mute": ([mute] * 2, "1,600 connections that never say hello"),
@@ -341,12 +338,14 @@ def besiege(name, seconds):
         steady = innocent[0]
         beside = steady.rate(begin, end)
         report = {
-            "attack": name, "what": what, "alone": round(alone, 1), "beside": round(beside, 1),
+            "attack": name, "what": what, "attackers": len(attackers),
+            "alone": round(alone, 1), "beside": round(beside, 1),
             "learner": round(innocent[2].rate(begin, end), 1),
             "longestGapSeconds": round(steady.longest_gap(begin, end), 2),
             "disconnected": {each.name: each.ended for each in innocent if each.ended},
             "quarantined": sorted(steady.quarantined),
             "serverMiB": peak_mib(pid) if server.poll() is None else None}
+        report["attackersLeft"] = sum(process.is_alive() for process in processes)
         report["held"] = (server.poll() is None and not report["disconnected"]
                           and not report["quarantined"] and beside >= KEPT * alone)
         return report
@@ -373,7 +372,8 @@ def main():
     held = True
     if not options.json:
         print("| attack | perceptions/s alone | beside | longest gap [s] | learner's rounds/s "
-              "| disconnected, quarantined | server [MiB] |\n|---|---|---|---|---|---|---|")
+              "| disconnected, quarantined | server [MiB] | attackers left |\n"
+              "|---|---|---|---|---|---|---|---|")
     for name in options.only or ATTACKS:
         report = besiege(name, options.seconds)
         held &= report["held"]
@@ -384,7 +384,8 @@ def main():
             lost += report["quarantined"]
             print(f"| {report['what']} | {report['alone']} | {report['beside']} "
                   f"| {report['longestGapSeconds']} | {report['learner']} "
-                  f"| {', '.join(lost) or '–'} | {report['serverMiB']} |", flush=True)
+                  f"| {', '.join(lost) or '–'} | {report['serverMiB']} "
+                  f"| {report['attackersLeft']} of {report['attackers']} |", flush=True)
     sys.exit(0 if held else 1)
 
 

@@ -79,7 +79,7 @@ final class Allowances {
         wantedNanos = nowNanos + Math.max(0, early);
     }
 
-    /** Looks who is here, before the agents are asked for. */
+    /** Notes whether any other agent can be kept waiting in this frame. */
     void look(Turn[] turns) {
         othersWait = realTime.get() > 0 || haveSeveralHomes(turns);
     }
@@ -97,7 +97,7 @@ final class Allowances {
         return false;
     }
 
-    /** An agent is not ready, or without allowance. */
+    /** Records that an agent is not ready, or that its allowance is spent. */
     void note(Turn turn, long nowNanos) {
         Allowance allowance = turn.allowance();
         if (allowance.note()) {
@@ -112,7 +112,7 @@ final class Allowances {
                 : Long.MAX_VALUE;
     }
 
-    /** The frame begins: what others waited is charged. */
+    /** Charges the time that others waited; the frame begins now. */
     void begin(Turn[] turns, long nowNanos) {
         hasBegun = true;
         begunNanos = nowNanos;
@@ -158,7 +158,7 @@ final class Allowances {
         }
     }
 
-    /** The time that was waited until now counts no more. */
+    /** Discards the waiting time of this frame, which is not charged. */
     void forget() {
         for (Allowance allowance : noted) {
             allowance.forgetNote();

@@ -45,11 +45,11 @@ final class Observatory {
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
-    /** Names by item and relation, as far as somebody has asked for them in this frame. */
+    /** Related names by item and relation; a cache of this frame. */
     private final Map<ItemId, Map<String, Optional<List<String>>>> relations = new HashMap<>();
-    /** All there is, with relations; null if nobody has asked for them in this frame. */
+    /** The view of all items with relations; null until an agent requests it in this frame. */
     private @Nullable View everythingRelated;
-    /** The items of the last one, in the order of ids. */
+    /** Items of the last such view, in the order of ids. */
     private List<Seen> related = List.of();
 
     // By the place in the order of ids.
