@@ -1,48 +1,70 @@
 """Adds up JUnit reports and prints, last, `N passed, N failed`.
 
-    test_summary.py FOLDER SUITE...
+    test_summary.py FOLDER ROOM...
 
-Each SUITE is a report FOLDER/SUITE.xml or a folder of reports FOLDER/SUITE/. A suite that left no
-test in a report counts as one failure: a build that broke must not read as passed.
+Each ROOM is a report FOLDER/ROOM.xml or a folder of reports FOLDER/ROOM/. A room that left no test
+in a report counts as one failure: a build that broke must not read as passed.
 """
 
 import sys
 import xml.etree.ElementTree as ET
+from dataclasses import dataclass
 from pathlib import Path
 
 
-def cases(suite):
-    """Yields (name, outcome, text) of each test case in a suite's reports."""
-    reports = sorted(suite.glob("*.xml")) if suite.is_dir() else [suite.with_suffix(".xml")]
+@dataclass
+class Case:
+    """One test: `part` is what `./reve test ROOM/PART` takes to run it alone."""
+    name: str
+    part: str
+    outcome: str
+    text: str
+
+
+def cases(room):
+    """Yields the test cases in a room's reports."""
+    reports = sorted(room.rglob("*.xml")) if room.is_dir() else [room.with_suffix(".xml")]
     for report in reports:
-        if not report.exists():
-            continue
-        for case in ET.parse(report).getroot().iter("testcase"):
-            name = ".".join(filter(None, (case.get("classname"), case.get("name"))))
-            bad = [e for e in case if e.tag in ("failure", "error")]
-            if bad:
-                text = "\n".join((e.get("message") or "") + "\n" + (e.text or "") for e in bad)
-                yield name, "failed", text.strip()
-            elif any(e.tag == "skipped" for e in case):
-                yield name, "skipped", ""
-            else:
-                yield name, "passed", ""
+        if report.exists():
+            for element in ET.parse(report).getroot().iter("testcase"):
+                yield case(element)
 
 
-def main():
-    folder, suites = Path(sys.argv[1]), sys.argv[2:]
+def case(element):
+    name, owner, file = (element.get(key, "") for key in ("name", "classname", "file"))
+    if file:  # pytest
+        # Classes, if there are any, come after the module's name.
+        inside = [piece for piece in owner.split(".")[1:] if piece]
+        full, part = f"{file}::{name}", "::".join([file, *inside, name.split("[")[0]])
+    elif not owner or owner == name:  # ctest
+        full = part = name
+    else:  # JUnit: CLASS and METHOD(PARAMETERS)[NUMBER]
+        full = f"{owner}.{name}"
+        part = f"{owner.split('.')[-1].split('$')[0]}#{name.split('(')[0]}"
+    bad = [child for child in element if child.tag in ("failure", "error")]
+    if bad:
+        text = "\n".join((e.get("message") or "") + "\n" + (e.text or "") for e in bad)
+        return Case(full, part, "failed", text.strip())
+    if any(child.tag == "skipped" for child in element):
+        return Case(full, part, "skipped", "")
+    return Case(full, part, "passed", "")
+
+
+def report(folder, rooms):
+    """Prints each failed test, a line for each room, and the sum; returns the exit status."""
     total = {"passed": 0, "failed": 0, "skipped": 0}
-    for name in suites:
+    for room in rooms:
         count = dict.fromkeys(total, 0)
-        for test, outcome, text in cases(folder / name):
-            count[outcome] += 1
-            if outcome == "failed":
-                print(f"\nFAILED {name}: {test}")
-                print("\n".join("    " + line for line in text.splitlines()[:30]))
+        for test in cases(folder / room):
+            count[test.outcome] += 1
+            if test.outcome == "failed":
+                print(f"\nFAILED {room}: {test.name}")
+                print("\n".join("    " + line for line in test.text.splitlines()[:30]))
+                print(f"    To run it alone: ./reve test '{room}/{test.part}'")
         if count["passed"] + count["failed"] == 0:
-            print(f"\nFAILED {name}: no test ran (see the output above)")
+            print(f"\nFAILED {room}: no test ran (see the output above)")
             count["failed"] = 1
-        print(f"{name:18} {count['passed']:5} passed {count['failed']:4} failed"
+        print(f"{room:18} {count['passed']:5} passed {count['failed']:4} failed"
               f" {count['skipped']:4} skipped")
         for key in total:
             total[key] += count[key]
@@ -52,4 +74,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    sys.exit(report(Path(sys.argv[1]), sys.argv[2:]))

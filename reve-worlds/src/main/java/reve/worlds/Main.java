@@ -64,9 +64,8 @@ public final class Main {
             "",
             "The launcher itself also knows:",
             "  build      Builds what changed and stops.",
-            "  test       Builds, then runs every test of the project. With --sanitize:",
-            "             the native tests only, under the address, undefined and thread",
-            "             sanitizers.",
+            "  test       Builds, then runs the tests of the project, or of rooms of it.",
+            "  format     Formats the sources, or checks that they are formatted.",
             "  install    Makes a folder that runs without this checkout.",
             "  doctor     Says which shared libraries of the system are missing.");
 
@@ -148,7 +147,7 @@ public final class Main {
         @Override
         public String[] getVersion() {
             return new String[] {
-                "REVE x Vesper " + Product.VERSION,
+                "REVE x Vesper " + Product.version(),
                 "Java ${java.version}, ${os.name} ${os.arch}",
             };
         }

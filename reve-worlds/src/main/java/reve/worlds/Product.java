@@ -1,15 +1,26 @@
 package reve.worlds;
 
+import java.io.IOException;
+import java.io.InputStream;
+import java.io.UncheckedIOException;
+import java.nio.charset.StandardCharsets;
 import java.nio.file.Path;
 
 /** What this build calls itself, and where its native part lies. */
 public final class Product {
-    public static final String VERSION = "0.1.0";
-
     /** How a checkout is called. */
     public static final String CHECKOUT_COMMAND = "./reve";
 
     private Product() {}
+
+    /** The version number of the project: what the file VERSION said when this was built. */
+    public static String version() {
+        try (InputStream version = Product.class.getResourceAsStream("VERSION")) {
+            return new String(version.readAllBytes(), StandardCharsets.UTF_8).strip();
+        } catch (IOException cannotHappen) {
+            throw new UncheckedIOException(cannotHappen);
+        }
+    }
 
     /** What the user calls it, for messages; the launcher says. */
     public static String command() {

@@ -53,6 +53,7 @@ public final class AgentServer implements AutoCloseable {
     private final Set<Connection> connections = new HashSet<>();
     private final Strangers strangers;
     private final Writers writers = new Writers(Runtime.getRuntime().availableProcessors());
+    private final SlowReaders slowReaders = new SlowReaders();
     /** They have sent all that they may. The event loop's own. */
     private List<Connection> throttled = new ArrayList<>();
     private long readThrottledNanos = System.nanoTime();
@@ -199,6 +200,7 @@ public final class AgentServer implements AutoCloseable {
                 }
             }
             writers.writeAll();
+            slowReaders.excess().forEach(Connection::giveUp);
             if (closed && connections.isEmpty()) {
                 loop.stop();
             }
@@ -244,6 +246,11 @@ public final class AgentServer implements AutoCloseable {
     /** What the event loop writes with. */
     Pen pen() {
         return writers.pen();
+    }
+
+    /** Who does not read what was written to it. */
+    SlowReaders slowReaders() {
+        return slowReaders;
     }
 
     /** Has what waits for a client written in this turn. */

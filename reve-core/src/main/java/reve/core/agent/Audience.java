@@ -37,6 +37,7 @@ final class Audience {
     private final List<Session> withoutSensors = new ArrayList<>();
     private final List<Session> reachingAll = new ArrayList<>();
     private final List<Session> within = new ArrayList<>();
+    private boolean hasLockStep;
     /** What sensors may reach, by the place of who has them in the list above. */
     private final BoxIndex reaches = new BoxIndex();
     private double[] lows = {};
@@ -106,7 +107,9 @@ final class Audience {
         withoutSensors.clear();
         reachingAll.clear();
         within.clear();
+        hasLockStep = false;
         for (Session member : members) {
+            hasLockStep |= member.isInLockStep();
             (member.hasSensors() ? withSensors : withoutSensors).add(member);
         }
         reserve(withSensors.size());
@@ -128,6 +131,11 @@ final class Audience {
             highs = new double[AXES * room];
             keys = LongStream.range(0, room).toArray();
         }
+    }
+
+    /** Whether somebody is in lock-step. */
+    boolean hasLockStep() {
+        return hasLockStep;
     }
 
     /** Those who hear of all that happens. */

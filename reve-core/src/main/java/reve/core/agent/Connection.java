@@ -25,6 +25,8 @@ final class Connection implements EventLoop.Handler {
     private static final int MAX_DRAINED_BYTES = 1024 * 1024;
     private static final Pattern HTTP = Pattern.compile("^[A-Z]{3,10} .* HTTP/");
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
+    /** So much of a write has to go in the time that one may take. */
+    private static final int PROGRESS_BYTES = 64 * 1024;
 
     private final AgentServer server;
     private final AgentLimits limits;
@@ -38,7 +40,12 @@ final class Connection implements EventLoop.Handler {
     private final FrameReader messages;
     private final SelectionKey key;
     private ByteBuffer unsent = NOTHING;
+    /** Since when no more than {@link #PROGRESS_BYTES} of it have gone. */
     private long unsentSinceNanos;
+    /** What of it had gone then. */
+    private int progress;
+    /** What is written holds a perception. */
+    private boolean perceives;
     private int errors;
     /** Not read at the moment. */
     private boolean held;
@@ -163,7 +170,8 @@ final class Connection implements EventLoop.Handler {
                 }
             } else if (isStuck() && nowNanos - unsentSinceNanos > timeouts.write().toNanos()) {
                 end(Ending.cut("too-slow",
-                        "a write took longer than " + timeouts.write().toMillis() / 1000.0 + " s"));
+                        "a write took longer than " + timeouts.write().toMillis() / 1000.0
+                                + " s for 64 KiB"));
                 close();
             } else if (!held) {
                 messages.checkTime(nowNanos);
@@ -173,8 +181,16 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
+    /** More waits to be read than the server keeps, and this client has waited the longest. */
+    void giveUp() {
+        end(Ending.cut("too-slow", "too much waits to be read by clients, and you have not read"
+                + " for the longest time"));
+        close();
+    }
+
     /** Lets go of the socket. */
     void close() {
+        server.slowReaders().release(this);
         leave(Ending.regular("lost", "the connection broke")); // nobody is there to be told
         try {
             wire.close();
@@ -440,6 +456,20 @@ final class Connection implements EventLoop.Handler {
     }
 
     private boolean writeAll(Pen pen) throws IOException, Ending {
+        long begin = System.nanoTime();
+        perceives = false;
+        try {
+            return writeWaiting(pen);
+        } finally {
+            Session client = session;
+            if (perceives && client != null) {
+                client.perceptionCost().wrote(System.nanoTime() - begin);
+            }
+        }
+    }
+
+    /** @return true if nothing is left to be written */
+    private boolean writeWaiting(Pen pen) throws IOException, Ending {
         while (writeUnsent()) {
             Bytes out = pen.bytes();
             Outbox.Waiting next = outbox.poll();
@@ -462,9 +492,11 @@ final class Connection implements EventLoop.Handler {
             case Outbox.Message message -> out.put(message.bytes());
             case Outbox.Missed missed -> out.put(ServerMessage.Event.missed(
                     OptionalLong.of(missed.events()), missed.first(), missed.last()).in(encoding));
-            case Outbox.Perception seen ->
-                    Objects.requireNonNull(client).world().publisher().telling()
-                            .write(out, difference, encoding, seen);
+            case Outbox.Perception seen -> {
+                perceives = true;
+                Objects.requireNonNull(client).world().publisher().telling()
+                        .write(out, difference, encoding, seen);
+            }
         }
         if (client != null && server.audit().isPresent() && !server.audit().get()
                 .told(client.world().name(), client.name(), encoding, out.view(start))) {
@@ -480,6 +512,8 @@ final class Connection implements EventLoop.Handler {
             if (piece.hasRemaining() || wire.hasUnsent()) {
                 unsent = sent < out.size() ? ByteBuffer.wrap(out.copy(sent)) : NOTHING;
                 unsentSinceNanos = System.nanoTime();
+                progress = 0;
+                server.slowReaders().hold(this, unsent.remaining());
             }
         }
     }
@@ -488,11 +522,16 @@ final class Connection implements EventLoop.Handler {
     private boolean writeUnsent() throws IOException {
         if (isStuck()) {
             wire.write(unsent);
+            if (unsent.position() - progress >= PROGRESS_BYTES) {
+                progress = unsent.position();
+                unsentSinceNanos = System.nanoTime();
+            }
             if (isStuck()) {
                 key.interestOpsOr(SelectionKey.OP_WRITE);
                 return false;
             }
             unsent = NOTHING;
+            server.slowReaders().release(this);
             key.interestOpsAnd(~SelectionKey.OP_WRITE);
         }
         return true;

@@ -35,8 +35,13 @@ final class EventLog {
         while (bytes > maxBytes || nowNanos - told.getFirst().nanos > maxNanos) {
             Told oldest = told.removeFirst();
             bytes -= oldest.bytes;
-            lastForgotten = oldest.event.frame();
+            forget(oldest.event.frame());
         }
+    }
+
+    /** Of a frame, and of those before, not all is here. */
+    void forget(long frame) {
+        lastForgotten = Math.max(lastForgotten, frame);
     }
 
     /**

@@ -42,6 +42,8 @@ final class Observatory {
 
     private final SensedWorld bodies = new SensedWorld();
     private final Found found = new Found();
+    /** From anybody, where not one body looks at all. */
+    private final Hiders hiders = new Hiders();
     private PMap<ItemId, ItemSymbols> symbols = TreePMap.empty();
     private Map<String, ItemId> idByName = Map.of();
     private View everything = new View(0, 0, List.of());
@@ -287,7 +289,7 @@ final class Observatory {
         if (eye < 0 || rows[eye] == NO_ROW || sensor.isUnlimited()
                 || Double.isInfinite(sensor.range())) {
             for (int i = 0; i < items.length; i++) {
-                gather(sensed(sensor, eye, i, shown));
+                gather(sensed(sensor, eye, i, shown, around.hiders));
             }
             return;
         }
@@ -302,7 +304,7 @@ final class Observatory {
             }
             itself |= i == eye;
             if (anew || bodies.hasMoved(rows[i], around.sensedIn)) {
-                around.sensed[k] = sensed(sensor, eye, i, shown);
+                around.sensed[k] = sensed(sensor, eye, i, shown, around.hiders);
             }
             gather(around.sensed[k]);
         }
@@ -322,11 +324,11 @@ final class Observatory {
     }
 
     /** What a sensor makes of an item, null if it does not sense it. */
-    private @Nullable Seen sensed(Sensor sensor, int eye, int i, Seen[] shown) {
+    private @Nullable Seen sensed(Sensor sensor, int eye, int i, Seen[] shown, Hiders hiders) {
         if (i == eye) {
             return seen[i];
         }
-        if (!senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i])) {
+        if (!senses(sensor, eye < 0 ? NO_ROW : rows[eye], rows[i], hiders)) {
             return null;
         }
         Seen known = shown[i];
@@ -370,7 +372,7 @@ final class Observatory {
         }
         int eye = row(body);
         for (Sensor sensor : sensors) {
-            if (senses(sensor, eye, rows[place])) {
+            if (senses(sensor, eye, rows[place], hiders)) {
                 return true;
             }
         }
@@ -407,9 +409,9 @@ final class Observatory {
         return row == NO_ROW ? Optional.empty() : Optional.of(bodies.box(row));
     }
 
-    private boolean senses(Sensor sensor, int eye, int row) {
+    private boolean senses(Sensor sensor, int eye, int row, Hiders known) {
         return sensor.isUnlimited()
-                || eye != NO_ROW && row != NO_ROW && bodies.senses(sensor, eye, row);
+                || eye != NO_ROW && row != NO_ROW && bodies.senses(sensor, eye, row, known);
     }
 
     private int row(ItemId id) {

@@ -119,10 +119,19 @@ final class Outbox {
      * waits.
      */
     synchronized void miss(long frame) {
+        miss(1, frame, frame);
+    }
+
+    /** The client misses so many events of these frames, as with {@link #miss(long)}. */
+    synchronized void miss(long count, long first, long last) {
         if (!finished) {
-            firstMissed = missed == 0 ? frame : firstMissed;
-            lastMissed = frame;
-            missed++;
+            firstMissed = missed == 0 ? first : firstMissed;
+            lastMissed = last;
+            missed += count;
+            if (events.count == 0) {
+                tellMissed();
+                filled.run();
+            }
         }
     }
 

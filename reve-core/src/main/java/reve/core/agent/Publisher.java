@@ -20,12 +20,16 @@ final class Publisher {
 
     /** Frames with events that may wait to be told; at 60 frames a second a quarter of a minute. */
     private static final int MAX_EVENT_FRAMES = 1024;
+    /** In so much time clients in real time are told of acts; those beyond they miss. */
+    private static final long ACTS_NANOS = 5_000_000;
+    private static final String ACTED = "acted";
 
     private final WorldPort port;
     private final RateLimitedLog log;
     private final Runnable afterFrame;
     private final Observatory observatory = new Observatory();
     private final Telling telling = new Telling();
+    private final PerceptionShares shares = new PerceptionShares();
     private final Queue<Runnable> reports = new ConcurrentLinkedQueue<>();
     private final Queue<Session> leavers = new ConcurrentLinkedQueue<>();
     private final Queue<Happened> events = new ConcurrentLinkedQueue<>();
@@ -109,6 +113,11 @@ final class Publisher {
         return telling;
     }
 
+    /** Who perceives how much. */
+    PerceptionShares shares() {
+        return shares;
+    }
+
     /** From now on the session is told what happens. */
     void admit(Session session) {
         members.put(session.name(), session);
@@ -187,14 +196,36 @@ final class Publisher {
             log.warn("agents will never hear the events of " + lost
                     + " frames: too many were waiting");
         }
-        if (!events.isEmpty()) {
-            audience.locate(members.values(), observatory);
+        if (events.isEmpty()) {
+            return;
         }
+        audience.locate(members.values(), observatory);
+        long end = System.nanoTime() + ACTS_NANOS;
+        long missed = 0;
+        long firstMissed = 0;
+        long lastMissed = 0;
         for (Happened next = events.peek(); next != null && next.frame <= served;
                 next = events.peek()) {
             events.remove();
             eventFrames.decrementAndGet();
-            next.events.forEach(this::tell);
+            for (WorldEvent event : next.events) {
+                if (event.type().equals(ACTED)
+                        && (missed > 0 || System.nanoTime() - end > 0)) {
+                    tell(event, false);
+                    firstMissed = missed == 0 ? next.frame : firstMissed;
+                    lastMissed = next.frame;
+                    missed++;
+                } else {
+                    tell(event, true);
+                }
+            }
+        }
+        if (missed > 0) {
+            for (Session member : members.values()) {
+                if (!member.isInLockStep()) {
+                    member.miss(missed, firstMissed, lastMissed);
+                }
+            }
         }
     }
 
@@ -209,15 +240,23 @@ final class Publisher {
         return false;
     }
 
-    private void tell(WorldEvent event) {
+    /** @param all also to clients in real time */
+    private void tell(WorldEvent event, boolean all) {
+        if (!all && !audience.hasLockStep()) {
+            return;
+        }
         Mentions mentions = Mentions.in(event, observatory, this::bodyOf);
         var heard = new HeardEvent(event);
-        tell(audience.withoutSensors(), mentions, heard);
-        tell(audience.of(mentions, observatory), mentions, heard);
+        tell(audience.withoutSensors(), all, mentions, heard);
+        tell(audience.of(mentions, observatory), all, mentions, heard);
     }
 
-    private void tell(Collection<Session> hearers, Mentions mentions, HeardEvent heard) {
+    private void tell(Collection<Session> hearers, boolean all, Mentions mentions,
+            HeardEvent heard) {
         for (Session member : hearers) {
+            if (!all && !member.isInLockStep()) {
+                continue;
+            }
             member.hear(heard.event(), mentions, observatory).ifPresent(told ->
                     member.tell(heard.with(told, member.encoding())));
         }
@@ -238,13 +277,28 @@ final class Publisher {
     private void serve(WorldSnapshot snapshot) {
         View everything = observatory.everything();
         telling.begin(everything);
+        shares.begin(members.values(), everything.frame(), System.nanoTime());
         for (Session member : members.values()) {
-            PerceptionRequests perceptions = member.perceptions();
-            if (perceptions.isDue(everything.frame()) && !perceptions.serve(everything.frame(),
-                    relations -> relations ? member.relate(look(member), observatory, snapshot)
-                            : Optional.of(look(member)))) {
+            if (member.perceptions().isDue(everything.frame()) && shares.isServedNow(member)
+                    && !serve(member, snapshot)) {
                 return; // overwritten while we read: the next frame is here already
             }
         }
+        for (Session member : shares.takeWaiting()) {
+            if (!shares.isTimeLeft() || !serve(member, snapshot)) {
+                return;
+            }
+        }
+    }
+
+    /** @return false if the frame is gone */
+    private boolean serve(Session member, WorldSnapshot snapshot) {
+        long begin = System.nanoTime();
+        shares.reserve(member.perceptionCost());
+        boolean there = member.perceptions().serve(observatory.everything().frame(),
+                relations -> relations ? member.relate(look(member), observatory, snapshot)
+                        : Optional.of(look(member)));
+        shares.charge(member.perceptionCost(), System.nanoTime() - begin);
+        return there;
     }
 }

@@ -3,6 +3,7 @@ package reve.core.agent;
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
 import java.util.Arrays;
+import java.util.function.LongPredicate;
 import java.util.stream.LongStream;
 import reve.core.space.Box;
 import reve.core.space.BoxIndex;
@@ -27,6 +28,8 @@ final class SensedWorld {
     /** A moment since which everything has moved. */
     static final long BEFORE_ALL = -1;
 
+    /** No row. */
+    static final int NOTHING = -1;
     private static final int CORNERS = 8;
     /** A line of sight that only touches a box at its very ends is free. */
     private static final double END = 1e-9;
@@ -57,7 +60,11 @@ final class SensedWorld {
     // The point and line of sight that are being looked at.
     private final double[] eye = new double[3];
     private final double[] point = new double[3];
-    private final Found between = new Found();
+    private int looker;
+    private int target;
+    private final LongPredicate hides = box -> hides((int) box);
+    private Hiders hiders = new Hiders();
+    private final Hiders ofAnybody = hiders;
 
     /** Takes the bodies as they are now. */
     void load(TableView bodies) {
@@ -227,6 +234,12 @@ final class SensedWorld {
 
     /** Whether a sensor of the body in one row senses the item in another. */
     boolean senses(Sensor sensor, int body, int row) {
+        return senses(sensor, body, row, ofAnybody);
+    }
+
+    /** @param known from that body; kept up to date */
+    boolean senses(Sensor sensor, int body, int row, Hiders known) {
+        hiders = known;
         if (sensor.isCamera()) {
             return false;
         }
@@ -300,16 +313,23 @@ final class SensedWorld {
 
     private boolean isHidden(int body, int row) {
         buildIndex();
-        System.arraycopy(position, 3 * body, eye, 0, 3);
-        index.onLine(eye, point, between);
-        for (int i = 0; i < between.size(); i++) {
-            int other = (int) between.key(i);
-            if (other != body && other != row && shape[other] != Shape.NONE
-                    && isBetween(body, other)) {
-                return true;
-            }
+        looker = body;
+        target = row;
+        int hider = hiders.of(row);
+        if (hider != NOTHING && hider < rows && hides(hider)) {
+            return true;
         }
-        return false;
+        System.arraycopy(position, 3 * body, eye, 0, 3);
+        return index.isOnWay(eye, point, hides);
+    }
+
+    private boolean hides(int box) {
+        boolean hides = box != looker && box != target && shape[box] != Shape.NONE
+                && isBetween(looker, box);
+        if (hides) {
+            hiders.put(target, box);
+        }
+        return hides;
     }
 
     /**

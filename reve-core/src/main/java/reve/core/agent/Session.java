@@ -39,6 +39,7 @@ final class Session {
     /** The event loop's thread. */
     private final Quota quota;
     private final Looks looks;
+    private final PerceptionShares.Cost perceptionCost;
 
     // Guarded by this.
     private final CommandLog commands = new CommandLog();
@@ -74,6 +75,7 @@ final class Session {
         this.secret = AgentToken.newSecret();
         this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(),
                 EventLog.MAX_BYTES);
+        this.perceptionCost = world.publisher().shares().cost(token);
         this.looks = new Looks(world, server.log(), toString(), this::show);
         this.connection = connection;
         this.encoding = connection.encoding();
@@ -117,6 +119,14 @@ final class Session {
 
     PerceptionRequests perceptions() {
         return perceptions;
+    }
+
+    PerceptionShares.Cost perceptionCost() {
+        return perceptionCost;
+    }
+
+    boolean isInLockStep() {
+        return turn != null;
     }
 
     /** Takes as long for any wrong one. */
@@ -565,6 +575,22 @@ final class Session {
     private boolean offer(byte[] line) {
         Connection now = connection;
         return now == null || now.outbox().offer(line);
+    }
+
+    /** So many events, at most, happened in these frames and are not told. Event loop's thread. */
+    void miss(long events, long first, long last) {
+        if (last < joinedInFrame) {
+            return;
+        }
+        if (graceSeconds > 0) {
+            synchronized (this) {
+                this.events.forget(last);
+            }
+        }
+        Connection now = connection;
+        if (now != null) {
+            now.outbox().miss(events, Math.max(first, joinedInFrame), last);
+        }
     }
 
     /**

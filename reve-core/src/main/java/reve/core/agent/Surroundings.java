@@ -18,6 +18,8 @@ final class Surroundings {
     int count;
     /** What the sensor made of each when it last sensed; null for what it did not sense. */
     @Nullable Seen[] sensed = {};
+    /** What was hidden from it, and by what. */
+    final Hiders hiders = new Hiders();
     /** The moment of the bodies when it last sensed; before all of them if it has not. */
     long sensedIn;
     private long arrangement = -1;

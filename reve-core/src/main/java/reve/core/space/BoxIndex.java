@@ -2,6 +2,7 @@ package reve.core.space;
 
 import java.lang.foreign.MemorySegment;
 import java.lang.foreign.ValueLayout;
+import java.util.function.LongPredicate;
 
 /**
  * Which of many boxes meet a region or are nearest to a point: a packed tree of boxes (an R-tree
@@ -95,22 +96,24 @@ public final class BoxIndex {
     }
 
     /**
-     * Finds the keys of all boxes that the line between two points meets or touches, in rising
-     * order.
+     * Whether the way from one point to another meets or touches a box that counts.
      *
-     * @param from one end (3) of it
-     * @param to the other end (3)
+     * @param counts is asked for the keys of the boxes on the way, in no particular order, until it
+     *     says yes
      */
-    public void onLine(double[] from, double[] to, Found found) {
-        found.clear();
+    public boolean isOnWay(double[] from, double[] to, LongPredicate counts) {
         int depth = pushTop();
         while (depth > 0) {
             int node = stack[--depth];
             if (isOnLine(node, from, to)) {
-                depth = enter(node, depth, found);
+                if (node >= size()) {
+                    depth = pushChildren(node, depth);
+                } else if (counts.test(keys[node])) {
+                    return true;
+                }
             }
         }
-        found.sort();
+        return false;
     }
 
     /**
@@ -178,6 +181,10 @@ public final class BoxIndex {
             found.add(keys[node]);
             return depth;
         }
+        return pushChildren(node, depth);
+    }
+
+    private int pushChildren(int node, int depth) {
         int level = levelOf(node);
         int first = firstChild(node, level);
         int after = depth;

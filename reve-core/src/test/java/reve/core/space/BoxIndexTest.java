@@ -13,6 +13,7 @@ import java.util.Comparator;
 import java.util.List;
 import java.util.Random;
 import java.util.function.IntPredicate;
+import java.util.function.LongPredicate;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
@@ -84,6 +85,7 @@ class BoxIndexTest {
         Box box = Box.around(50, 50, 50, 10);
         double[] from = {50, 50, 0};
         double[] to = {55, 55, 20};
+        LongPredicate none = key -> false;
         long bytes = 0;
         for (int round = 0; round < 40; round++) {
             scatter(MOST);
@@ -92,7 +94,7 @@ class BoxIndexTest {
             index.inBox(box, found);
             index.inSphere(50, 50, 50, 20, found);
             index.nearest(50, 50, 50, 20, found);
-            index.onLine(from, to, found);
+            index.isOnWay(from, to, none);
             bytes = threads.getCurrentThreadAllocatedBytes() - before;
         }
         assertThat(bytes).as("bytes in the last round").isZero();
@@ -149,8 +151,14 @@ class BoxIndexTest {
         double[] from = {x, y, z};
         double[] to =
                 {random.nextDouble() * 100, random.nextBoolean() ? y : size, random.nextInt(20)};
-        index.onLine(from, to, found);
-        assertThat(keys()).as("line, " + when).isEqualTo(where(row -> meetsLine(row, from, to)));
+        var onWay = new ArrayList<Long>();
+        assertThat(index.isOnWay(from, to, key -> !onWay.add(key))).isFalse();
+        onWay.sort(null);
+        List<Long> onLine = where(row -> meetsLine(row, from, to));
+        assertThat(onWay).as("line, " + when).isEqualTo(onLine);
+        for (long key : onLine) {
+            assertThat(index.isOnWay(from, to, met -> met == key)).as("stops, " + when).isTrue();
+        }
         int most = random.nextInt(20);
         index.nearest(x, y, z, most, found);
         assertThat(keys()).as("nearest %d, %s", most, when).isEqualTo(nearest(x, y, z, most));

@@ -50,7 +50,7 @@ public final class ImageCodec {
      */
     public byte[] write(SimulationImage image, Map<String, Long> members) {
         Map<String, Object> tree = new LinkedHashMap<>();
-        tree.put("product", Product.VERSION);
+        tree.put("product", Product.version());
         tree.putAll(header.tree());
         tree.put("members", members);
         tree.put("libraries", image.physics().libraries().stream().map(ImageCodec::tree).toList());

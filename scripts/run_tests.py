@@ -1,0 +1,242 @@
+"""Runs the tests of rooms, two suites at a time, and prints, last, `N passed, N failed`.
+
+    run_tests.py ROOT [--quick] [--failed] [ROOM[/PART] ...]
+
+`./reve test` calls it when everything is built; without rooms it runs all of them. A PART narrows a
+room: of Java a piece of a class name, or CLASS#METHOD; of the native rooms a piece of a test's name
+or the folder of a law; of Python a file, or FILE::CLASS::TEST. --quick leaves out what is slow
+(`slow` below); --failed runs again what failed in the last run. Reports in JUnit's format are left in
+build/reports/tests, one folder for each room, with each program's output beside them.
+"""
+
+import argparse
+import os
+import queue
+import re
+import shutil
+import subprocess
+import sys
+import threading
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import test_summary
+
+JAVA_ROOMS = ["reve-core", "reve-pe-adapter", "reve-worlds", "agents-java", "tests"]
+NATIVE_ROOMS = {"vesper-native": "build/native", "laws": "build/native/laws-build"}
+ROOMS = [*NATIVE_ROOMS, *JAVA_ROOMS, "python", "format"]
+
+# What --quick leaves out. In Java and Python the tests themselves say so: @Tag("slow"), mark slow.
+SLOW_NATIVE = "opencl|OpenCl|OnADevice|NBodyWorld|/threads"
+
+# The classes of these rooms start servers and wait for them; several JVMs run them side by side.
+BATCHED = {"tests": 10}
+
+AT_ONCE = 2
+PROGRESS_SECONDS = 20
+
+# A test that ended, as ctest, JUnit's feed and pytest print it.
+ENDED = re.compile(
+    r"^\s*\d+/\d+ Test +#\d+: .*?(?P<ctest>Passed|\*\*\*\w+)"
+    r"|:: (?P<junit>SUCCESSFUL|FAILED|SKIPPED)\s*$"
+    r"|^\S+\.py::.* (?P<pytest>PASSED|FAILED|SKIPPED|ERROR)\b")
+GOOD = {"Passed", "SUCCESSFUL", "PASSED", "SKIPPED", "***Skipped"}
+
+
+@dataclass
+class Suite:
+    """One program that runs tests: its command, where its output goes, and what ended so far."""
+    name: str
+    command: list
+    log: Path
+    environment: dict = field(default_factory=dict)
+    ended: int = 0
+    failed: int = 0
+
+
+class Plan:
+    """Makes the suites of the rooms that are asked for."""
+
+    def __init__(self, root, quick):
+        self.root = root
+        self.reports = root / "build/reports/tests"
+        self.quick = quick
+
+    def suites(self, room, parts):
+        if room in NATIVE_ROOMS:
+            return [self.native(room, parts)]
+        if room == "python":
+            return [self.python(parts)]
+        if room == "format":
+            return [self.suite(room, room, [
+                "python3", self.root / "scripts/format.py", self.root, "--check",
+                "--report", self.reports / room / "format.xml"])]
+        return list(self.java(room, parts))
+
+    def suite(self, room, name, command, **environment):
+        log = self.reports / room / f"{name}.log"
+        return Suite(name, [str(c) for c in command], log, environment)
+
+    def native(self, room, parts):
+        command = ["ctest", "--test-dir", self.root / NATIVE_ROOMS[room], "--output-on-failure",
+                   "--output-junit", self.reports / room / "ctest.xml"]
+        if parts:
+            # The tests of the law hooke_spring are named HookeSpring….
+            camel = [re.sub(r"(?:^|_)(\w)", lambda found: found[1].upper(), part)
+                     for part in parts if re.fullmatch("[a-z0-9_]+", part)]
+            command += ["-R", "|".join(map(re.escape, [*parts, *camel]))]
+        if self.quick:
+            command += ["-E", SLOW_NATIVE]
+        return self.suite(room, room, command)
+
+    def python(self, parts):
+        tests = self.root / "agents/python/tests"
+        command = [os.environ["REVE_TEST_PYTHON"], "-m", "pytest", "-v", "--tb=short", "-p",
+                   "no:cacheprovider", "--color=no",
+                   f"--junitxml={self.reports}/python/pytest.xml",
+                   "-o", "junit_family=xunit1", f"--rootdir={tests}"]
+        if self.quick:
+            command += ["-m", "not slow"]
+        command += [tests / part for part in parts] or [tests]
+        return self.suite("python", "python", command, REVE_ROOT=str(self.root),
+                          REVE_TEST_CLASSPATH=f"{self.root}/build/stage/lib/*")
+
+    def java(self, room, parts):
+        listing = self.root / "build/test-class-paths" / f"{room}.txt"
+        if not listing.exists():
+            print(f"reve: the tests of {room} could not be built; see the first error above",
+                  file=sys.stderr)
+            return
+        folder, class_path = listing.read_text().splitlines()
+        classes = sorted(str(path.relative_to(folder))[:-len(".class")].replace("/", ".")
+                         for path in Path(folder).rglob("*.class")
+                         if re.fullmatch(r"[^$]*(Test|IT)\.class", path.name))
+        if parts:
+            wanted = [part.split("#")[0].replace("/", ".") for part in parts]
+            classes = [name for name in classes if any(part in name for part in wanted)]
+        if not classes:
+            print(f"reve: {room} has no test class with {' or '.join(parts)} in its name",
+                  file=sys.stderr)
+            return
+        count = min(BATCHED.get(room, 1), len(classes))
+        for number in range(count):
+            name = room if count == 1 else f"{room}-{number + 1}"
+            command = [
+                os.environ["REVE_JAVA_HOME"] + "/bin/java", "-ea",
+                "--enable-native-access=ALL-UNNAMED", "-XX:+RestoreMXCSROnJNICalls",
+                "--sun-misc-unsafe-memory-access=allow",  # of msgpack-core, and of protobuf in CEL
+                "-Dreve.check.thread=true", f"-Dreve.native.path={self.root}/build/native",
+                f"-Dreve.root={self.root}", "-cp", class_path,
+                "org.junit.platform.console.ConsoleLauncher", "execute", "--disable-banner",
+                "--disable-ansi-colors", "--details=testfeed", "--fail-if-no-tests",
+                f"--reports-dir={self.reports / room / name}"]
+            if any("#" in part for part in parts):
+                command += [f"--include-methodname={method_pattern(part)}" for part in parts]
+            if self.quick:
+                command.append("--exclude-tag=slow")
+            command += [f"--select-class={c}" for c in classes[number::count]]
+            yield self.suite(room, name, command)
+
+
+def method_pattern(part):
+    """What JUnit compares with CLASS#METHOD(PARAMETERS), where CLASS may be a nested one."""
+    name, _, method = part.replace("/", ".").partition("#")
+    return f".*{re.escape(name)}.*#{re.escape(method)}" + (r"\(.*" if method else ".*")
+
+
+class Runner:
+    """Runs suites on threads of its own and tells on stderr how far they are."""
+
+    def __init__(self, suites):
+        self.waiting = queue.SimpleQueue()
+        for suite in suites:
+            self.waiting.put(suite)
+        self.suites = suites
+        self.running = []
+        self.started = time.monotonic()
+        self.lock = threading.Lock()
+
+    def run(self):
+        threads = [threading.Thread(target=self.work) for _ in range(AT_ONCE)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            while thread.is_alive():
+                thread.join(PROGRESS_SECONDS)
+                self.tell()
+
+    def work(self):
+        while True:
+            try:
+                suite = self.waiting.get_nowait()
+            except queue.Empty:
+                return
+            with self.lock:
+                self.running.append(suite.name)
+            with suite.log.open("w") as log:
+                process = subprocess.Popen(
+                    suite.command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                    stdin=subprocess.DEVNULL, text=True, errors="replace",
+                    env=os.environ | suite.environment)
+                for line in process.stdout:
+                    log.write(line)
+                    ended = ENDED.search(line)
+                    if ended:
+                        suite.ended += 1
+                        if ended[ended.lastgroup] not in GOOD:
+                            suite.failed += 1
+                            print(f"reve: FAILED {suite.name}: {line.strip()}", file=sys.stderr)
+                process.wait()
+            with self.lock:
+                self.running.remove(suite.name)
+
+    def tell(self):
+        seconds = int(time.monotonic() - self.started)
+        ended = sum(suite.ended for suite in self.suites)
+        failed = sum(suite.failed for suite in self.suites)
+        with self.lock:
+            rooms = ", ".join(self.running)
+        print(f"reve: {seconds // 60}:{seconds % 60:02} {ended} tests done, {failed} failed"
+              + (f"; running {rooms}" if rooms else ""), file=sys.stderr)
+
+
+def failed_parts(reports):
+    """By room, what failed in the last run. A room that left no report is run again whole."""
+    failed = {}
+    for room in ROOMS:
+        if (reports / room).exists():
+            cases = list(test_summary.cases(reports / room))
+            parts = sorted({case.part for case in cases if case.outcome == "failed"})
+            if parts or not cases:
+                failed[room] = parts
+    return failed
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("root", type=Path)
+    parser.add_argument("--quick", action="store_true")
+    parser.add_argument("--failed", action="store_true")
+    parser.add_argument("rooms", nargs="*")
+    given = parser.parse_args()
+    parts = {}
+    for room, _, part in (name.partition("/") for name in given.rooms or ROOMS):
+        parts.setdefault(room, []).extend([part] if part else [])
+    reports = given.root / "build/reports/tests"
+    if given.failed:
+        failed = failed_parts(reports)
+        parts = {room: failed[room] for room in parts if room in failed}
+    rooms = [room for room in ROOMS if room in parts]
+    shutil.rmtree(reports, ignore_errors=True)
+    for room in rooms:
+        (reports / room).mkdir(parents=True)
+    plan = Plan(given.root, given.quick)
+    # What takes longest comes first, so that the two threads end together.
+    suites = [suite for room in reversed(rooms) for suite in plan.suites(room, parts[room])]
+    Runner(suites).run()
+    return test_summary.report(reports, rooms)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
