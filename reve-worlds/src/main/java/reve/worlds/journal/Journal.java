@@ -38,9 +38,9 @@ public final class Journal implements AutoCloseable {
     private static final int IMAGES_WAITING = 2;
     private static final long PAUSE_NANOSECONDS = 50_000;
     private static final int SPINS = 2_000;
-    /** How long a frame waits for the one before it, where the wall clock paces the world. */
+    /** How long a frame waits for the one before it, where the wall clock paces the world [ns]. */
     private static final long FRAME_PATIENCE_NANOSECONDS = 1_000_000_000;
-    /** The same if there is a whole image to be written. */
+    /** The same if there is a whole image to be written, or to be copied [ns]. */
     private static final long IMAGE_PATIENCE_NANOSECONDS = 5_000_000_000L;
 
     private final World world;
@@ -177,7 +177,7 @@ public final class Journal implements AutoCloseable {
             entry.frame = lastFrame;
             entry.members = members;
             entry.last = true;
-            entry.image = copy(lastFrame, true);
+            entry.image = copy(lastFrame, Long.MAX_VALUE);
             ring.commit();
         }
     }
@@ -270,12 +270,16 @@ public final class Journal implements AutoCloseable {
         entry.members = members;
         entry.begins = imageWanted || writer.beginsAnew() || world.changesLost() > 0
                 || changes.stream().anyMatch(WorldChange.Restored.class::isInstance);
-        if (entry.begins || plan.imageFrames > 0 && frame - lastImage >= plan.imageFrames) {
-            entry.image = copy(frame, entry.begins && plan.waits);
+        if (entry.begins) {
+            entry.image = copy(frame, plan.waits ? Long.MAX_VALUE
+                    : behind || imageWanted ? 0 : IMAGE_PATIENCE_NANOSECONDS);
+        } else if (plan.imageFrames > 0 && frame - lastImage >= plan.imageFrames) {
+            entry.image = copy(frame, 0);
         }
         if (entry.begins && entry.image == null) {
+            requireWriter();
             entry.begins = false; // no room: the next frame tries again
-            imageWanted = true;
+            skip(frame);
         } else if (entry.image != null) {
             imageWanted = false;
             lastImage = frame;
@@ -283,10 +287,16 @@ public final class Journal implements AutoCloseable {
         digest.compute(entry.digest);
     }
 
-    /** Null if there is no room and nobody wants to wait for it. */
-    private @Nullable SimulationImage copy(long frame, boolean wait) {
+    /**
+     * Copies the world, as soon as one of the images before it is written.
+     *
+     * @param patience how long to wait for that [ns]
+     * @return null if none is written by then, or the writer has ended
+     */
+    private @Nullable SimulationImage copy(long frame, long patience) {
+        long start = System.nanoTime();
         SimulationImage room = rooms.poll();
-        while (room == null && wait && writer.isWorking()) {
+        while (room == null && System.nanoTime() - start < patience && writer.isWorking()) {
             LockSupport.parkNanos(PAUSE_NANOSECONDS);
             room = rooms.poll();
         }
