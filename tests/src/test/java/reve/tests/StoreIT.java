@@ -24,6 +24,7 @@ import reve.agent.ActResult;
 import reve.agent.AgentClient;
 import reve.agent.AgentException;
 import reve.agent.DisconnectedException;
+import reve.agent.Join;
 import reve.core.frame.Pacing;
 import reve.tests.Reve.Outcome;
 import reve.worlds.journal.JournalRecord;
@@ -93,6 +94,30 @@ class StoreIT {
             stored = storedFrames();
         }
         System.out.printf("%s: %d kills, %d frames lost at most%n", durability, kills, mostLost);
+    }
+
+    /** Also while images wait for the disk, which they often do at this rate. */
+    @Test
+    void aWorldThatIsKilledAfterGoingBackLosesAtMostOneFrame() throws Exception {
+        Random random = new Random(SEED);
+        Path store = folder.resolve("my.db");
+        long announced = 0;
+        boolean slow = false;
+        int kills = KILLS / 3;
+        for (int kill = 0; kill <= kills; kill++) {
+            try (Server server = Server.start(folder, "serve", WORLD, "--port", "0", "--json",
+                    "--store", store.toString(), "--store-every", "0.05")) {
+                JsonNode ready = server.events().await("ready", event -> true);
+                if (!slow) {
+                    assertThat(announced - ready.path("frame").asLong())
+                            .as("frames lost by kill %s of seed %s", kill, SEED)
+                            .isLessThanOrEqualTo(1);
+                }
+                announced = goBackUntilKilled(server, ready, random);
+                slow = server.events().untilEnd().stream()
+                        .anyMatch(event -> event.toString().contains("the disk is too slow"));
+            }
+        }
     }
 
     @Test
@@ -343,6 +368,38 @@ class StoreIT {
         }
         watcher.join();
         return announced.get();
+    }
+
+    /**
+     * Goes back and changes laws until the server is killed, a few frames after going back; the
+     * last frame that was perceived.
+     */
+    private static long goBackUntilKilled(Server server, JsonNode ready, Random random)
+            throws Exception {
+        var perceived = new AtomicLong(ready.path("frame").asLong());
+        int port = ready.path("agentPort").asInt();
+        Thread watcher = Thread.ofVirtual().start(() -> watch(port, perceived));
+        try (AgentClient boss = AgentClient.connect("127.0.0.1", port,
+                Join.as("boss").withRole("control"))) {
+            long back = 0;
+            for (int left = 10 + random.nextInt(10); left > 0; left--) {
+                boss.command(random.nextBoolean() ? "load-law" : "unload-law",
+                        Map.of("library", "gravity_field")); // may be refused
+                back = boss.command("rewind", Map.of()).frame().orElseThrow();
+                awaitPerceived(perceived, back + random.nextInt(12), watcher);
+            }
+            awaitPerceived(perceived, back + random.nextInt(4), watcher);
+            server.process().toHandle().destroyForcibly(); // what it said can still be read
+            server.process().onExit().join();
+        }
+        watcher.join();
+        return perceived.get();
+    }
+
+    private static void awaitPerceived(AtomicLong newest, long frame, Thread watcher) {
+        while (newest.get() < frame && watcher.isAlive()) {
+            Thread.onSpinWait();
+        }
     }
 
     /** Keeps the newest frame of which there was a perception, until the server is gone. */
