@@ -53,7 +53,7 @@ public final class AgentServer implements AutoCloseable {
     private final Set<Connection> connections = new HashSet<>();
     private final Strangers strangers;
     private final Writers writers = new Writers(Runtime.getRuntime().availableProcessors());
-    private final SlowReaders slowReaders = new SlowReaders();
+    private final SlowReaders<Connection> slowReaders = new SlowReaders<>();
     /** They have sent all that they may. The event loop's own. */
     private List<Connection> throttled = new ArrayList<>();
     private long readThrottledNanos = System.nanoTime();
@@ -184,7 +184,7 @@ public final class AgentServer implements AutoCloseable {
 
         private boolean hasNews() {
             for (ServedWorld world : worlds) {
-                if (world.publisher().hasNews()) {
+                if (world.publisher().hasWork()) {
                     return true;
                 }
             }
@@ -194,7 +194,7 @@ public final class AgentServer implements AutoCloseable {
         @Override
         public void run() {
             for (ServedWorld world : worlds) {
-                if (world.publisher().hasNews()) {
+                if (world.publisher().hasWork()) {
                     world.publisher().tell();
                     readThrottled();
                 }
@@ -249,7 +249,7 @@ public final class AgentServer implements AutoCloseable {
     }
 
     /** Who does not read what was written to it. */
-    SlowReaders slowReaders() {
+    SlowReaders<Connection> slowReaders() {
         return slowReaders;
     }
 

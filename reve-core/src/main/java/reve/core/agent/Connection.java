@@ -25,6 +25,8 @@ final class Connection implements EventLoop.Handler {
     private static final int MAX_DRAINED_BYTES = 1024 * 1024;
     private static final Pattern HTTP = Pattern.compile("^[A-Z]{3,10} .* HTTP/");
     private static final ByteBuffer NOTHING = ByteBuffer.allocate(0);
+    /** What large perceptions cost besides the time to write them: memory, until they are read. */
+    private static final long NANOS_PER_LARGE_BYTE = 4;
     /** So much of a write has to go in the time that one may take. */
     private static final int PROGRESS_BYTES = 64 * 1024;
 
@@ -46,6 +48,7 @@ final class Connection implements EventLoop.Handler {
     private int progress;
     /** What is written holds a perception. */
     private boolean perceives;
+    private long perceivedBytes;
     private int errors;
     /** Not read at the moment. */
     private boolean held;
@@ -458,12 +461,14 @@ final class Connection implements EventLoop.Handler {
     private boolean writeAll(Pen pen) throws IOException, Ending {
         long begin = System.nanoTime();
         perceives = false;
+        perceivedBytes = 0;
         try {
             return writeWaiting(pen);
         } finally {
             Session client = session;
             if (perceives && client != null) {
-                client.perceptionCost().wrote(System.nanoTime() - begin);
+                client.perceptionCost().wrote(System.nanoTime() - begin
+                        + NANOS_PER_LARGE_BYTE * Math.max(0, perceivedBytes - Pen.BUFFER_BYTES));
             }
         }
     }
@@ -494,8 +499,10 @@ final class Connection implements EventLoop.Handler {
                     OptionalLong.of(missed.events()), missed.first(), missed.last()).in(encoding));
             case Outbox.Perception seen -> {
                 perceives = true;
+                int from = out.size();
                 Objects.requireNonNull(client).world().publisher().telling()
                         .write(out, difference, encoding, seen);
+                perceivedBytes += out.size() - from;
             }
         }
         if (client != null && server.audit().isPresent() && !server.audit().get()
@@ -521,7 +528,7 @@ final class Connection implements EventLoop.Handler {
     /** @return true if nothing is left of what was to be written */
     private boolean writeUnsent() throws IOException {
         if (isStuck()) {
-            wire.write(unsent);
+            writePieces();
             if (unsent.position() - progress >= PROGRESS_BYTES) {
                 progress = unsent.position();
                 unsentSinceNanos = System.nanoTime();
@@ -535,6 +542,16 @@ final class Connection implements EventLoop.Handler {
             key.interestOpsAnd(~SelectionKey.OP_WRITE);
         }
         return true;
+    }
+
+    /** The system copies all that it is offered, however little of it a socket takes. */
+    private void writePieces() throws IOException {
+        int end = unsent.limit();
+        do {
+            unsent.limit(Math.min(end, unsent.position() + Pen.BUFFER_BYTES));
+            wire.write(unsent);
+        } while (!unsent.hasRemaining() && unsent.limit() < end && !wire.hasUnsent());
+        unsent.limit(end);
     }
 
     private boolean isStuck() {

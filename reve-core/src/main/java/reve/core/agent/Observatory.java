@@ -294,7 +294,8 @@ final class Observatory {
             return;
         }
         lookAround(sensor, rows[eye], around);
-        boolean anew = sensor.lineOfSight() || bodies.hasMoved(rows[eye], around.sensedIn);
+        boolean anew = sensor.lineOfSight() ? bodies.haveAnyMoved(around.sensedIn)
+                : bodies.hasMoved(rows[eye], around.sensedIn);
         boolean itself = false;
         for (int k = 0; k < around.count; k++) {
             int i = around.items[k];

@@ -9,44 +9,54 @@ import java.util.Map;
 import java.util.Optional;
 
 /**
- * Shares the event loop's time among those who perceive in real time, so that what some perceive
- * at great cost comes later and not what the others perceive. Each token has an account, each
- * session without a token has one. What perceptions cost, to find them and to write them, is
- * charged to it, and paid by equal shares of {@link #SHARE} of the time. While an account is
- * overdrawn, its sessions perceive only in the time that is left over. Who is in lock-step is
- * charged, too, but served at once: the world waits. See docs/decisions/0006. The event loop's
- * thread, but for {@link Cost#wrote}.
+ * Shares the event loop's time among those who perceive in real time, so that what some perceive at
+ * great cost comes later, and not what the others perceive. Each token has an account, and each
+ * session without a token has one. What perceptions cost, to find them and to write them, is charged
+ * to it, and equal shares of the time that passes pay it off. Who has no debts and perceives cheaply
+ * is served at once; the others, the least indebted first, in slices of time between which the event
+ * loop does its other work. Who is in lock-step is charged, too, but served at once: the world
+ * waits. See docs/decisions/0006. The event loop's thread, but for {@link Cost#wrote}.
+ *
+ * @param <C> who perceives
  */
-final class PerceptionShares {
+final class PerceptionShares<C extends PerceptionShares.Client> {
 
-    /** Of the time, for perceptions. */
-    private static final double SHARE = 0.75;
+    /** A slice of the time of those who wait [ns]. */
+    private static final double SLICE_NANOS = 10e6;
     /** What a first perception is taken to cost before one has been seen [ns]. */
     private static final double FIRST_NANOS = 1e6;
     /** What the last first perceptions cost weighs in what the next is taken to cost. */
     private static final double MEMORY = 0.9;
-    /** A perception that costs more equal shares than this waits for time that is left over. */
-    private static final double CHEAP = 4;
-    /** Time that passed without perceptions counts up to this [ns]. */
-    private static final double MOST_CREDIT_NANOS = 20e6;
-    private static final double MOST_DEBT_NANOS = 1e9;
+    /** A perception is cheap if it costs no more than an equal share of so much time [ns]. */
+    private static final double CHEAP_NANOS = 50e6;
+    /** Or no more than this, however many there are [ns]. */
+    private static final double CHEAP_FOR_ALL_NANOS = 30e3;
 
     private final Map<String, Account> byToken = new HashMap<>();
     private final List<Account> active = new ArrayList<>();
-    private final List<Session> waiting = new ArrayList<>();
+    private final List<C> waiting = new ArrayList<>();
     private long round;
     private long paidNanos;
-    private boolean paid;
-    /** Time that is left over; negative if more was taken than there is. */
-    private double credit;
-    /** Each account's share of the time since the round before. */
-    private double fairNanos;
+    /** Left of this slice. */
+    private double sliceNanos;
+    /** What costs more waits. */
+    private double cheapNanos;
     private double firstNanos = FIRST_NANOS;
+
+    /** Who perceives. */
+    interface Client {
+        Cost perceptionCost();
+
+        boolean isInLockStep();
+
+        /** Whether it is to perceive a frame. */
+        boolean perceives(long frame);
+    }
 
     /** What its sessions perceived and have not paid for. */
     private static final class Account {
         private double owedNanos;
-        private long round = -1;
+        private long round;
     }
 
     /** What a session's perceptions cost. */
@@ -54,10 +64,10 @@ final class PerceptionShares {
         private final Account account;
         /** Since it was served last. */
         private double spentNanos;
+        /** What its last perception cost. */
         private double expectedNanos;
+        /** It has perceived. */
         private boolean known;
-        /** Of what was taken from the credit in advance, what has not been spent. */
-        private double reservedNanos;
         /** By whichever thread writes to the session while the event loop waits for it. */
         private long writtenNanos;
 
@@ -71,6 +81,10 @@ final class PerceptionShares {
         }
     }
 
+    PerceptionShares(long nowNanos) {
+        paidNanos = nowNanos;
+    }
+
     /** @param token of who perceives, if the server takes tokens */
     Cost cost(Optional<AgentToken> token) {
         return new Cost(token.map(AgentToken::name)
@@ -79,76 +93,80 @@ final class PerceptionShares {
     }
 
     /**
-     * A frame is here: accounts pay their shares.
+     * A slice begins: accounts pay their shares of the time since the one before.
      *
      * @param frame that the members perceive if it is due for them
      */
-    void begin(Collection<Session> members, long frame, long nowNanos) {
-        double earned = paid ? SHARE * Math.min(nowNanos - paidNanos, 1e9) : MOST_CREDIT_NANOS;
-        paidNanos = nowNanos;
-        paid = true;
-        credit = Math.min(credit + earned, MOST_CREDIT_NANOS);
+    void begin(Collection<? extends C> members, long frame, long nowNanos) {
         round++;
         active.clear();
-        for (Session member : members) {
+        waiting.clear();
+        for (C member : members) {
             Cost cost = member.perceptionCost();
-            charge(cost, cost.writtenNanos);
-            cost.writtenNanos = 0;
+            settle(cost);
             if (cost.account.round != round
-                    && (cost.account.owedNanos > 0 || member.perceptions().isDue(frame))) {
+                    && (cost.account.owedNanos > 0 || member.perceives(frame))) {
                 cost.account.round = round;
                 active.add(cost.account);
             }
         }
-        fairNanos = earned / Math.max(1, active.size());
-        active.forEach(account -> account.owedNanos = Math.max(0, account.owedNanos - fairNanos));
+        int shares = Math.max(1, active.size());
+        double share = (double) (nowNanos - paidNanos) / shares;
+        paidNanos = nowNanos;
+        active.forEach(account -> account.owedNanos = Math.max(0, account.owedNanos - share));
+        cheapNanos = Math.max(CHEAP_FOR_ALL_NANOS, CHEAP_NANOS / shares);
+        sliceNanos = SLICE_NANOS;
     }
 
-    /** Whether a session is served whoever else is; if not, it waits for what is left over. */
-    boolean isServedNow(Session session) {
-        Cost cost = session.perceptionCost();
-        if (session.isInLockStep() || cost.known && cost.account.owedNanos == 0
-                && cost.expectedNanos <= CHEAP * fairNanos) {
+    /** Charges what was written since. */
+    private void settle(Cost cost) {
+        if (cost.writtenNanos == 0) {
+            return;
+        }
+        charge(cost, cost.writtenNanos);
+        cost.writtenNanos = 0;
+        if (!cost.known) {
+            firstNanos = Math.max(cost.spentNanos, MEMORY * firstNanos);
+        }
+        cost.expectedNanos = cost.spentNanos;
+        cost.known = true;
+    }
+
+    /** Whether a session is served whoever else is; if not, it waits. */
+    boolean isServedNow(C client) {
+        Cost cost = client.perceptionCost();
+        if (client.isInLockStep() || cost.known && cost.account.owedNanos == 0
+                && cost.expectedNanos <= cheapNanos) {
             return true;
         }
-        waiting.add(session);
+        waiting.add(client);
         return false;
     }
 
-    /** Those who wait, the least indebted first, as long as {@link #isTimeLeft}. */
-    List<Session> takeWaiting() {
-        waiting.sort(Comparator.comparingDouble(
-                session -> session.perceptionCost().account.owedNanos));
-        List<Session> all = List.copyOf(waiting);
-        waiting.clear();
-        return all;
+    /**
+     * Those who wait: the least indebted first, and of those without debts who has perceived
+     * before. They are served as long as {@link #isTimeLeft}.
+     */
+    List<C> waiting() {
+        waiting.sort(Comparator
+                .comparingDouble((C client) -> client.perceptionCost().account.owedNanos)
+                .thenComparing(client -> !client.perceptionCost().known));
+        return waiting;
     }
 
     boolean isTimeLeft() {
-        return credit > 0;
+        return sliceNanos > 0;
     }
 
-    /** A session is served next: what that is expected to cost is set aside. */
-    void reserve(Cost cost) {
-        if (cost.known || cost.spentNanos > 0) {
-            if (!cost.known) {
-                firstNanos = Math.max(cost.spentNanos, MEMORY * firstNanos);
-            }
-            cost.expectedNanos = cost.spentNanos;
-            cost.known = true;
-        }
-        credit += cost.reservedNanos;
-        cost.reservedNanos = cost.known ? cost.expectedNanos : firstNanos;
-        credit -= cost.reservedNanos;
+    /** A session was served in so much time; what is to be written then comes later. */
+    void serve(Cost cost, long nanos) {
+        sliceNanos -= Math.max(nanos, cost.known ? cost.expectedNanos : firstNanos);
         cost.spentNanos = 0;
+        charge(cost, nanos);
     }
 
-    /** A session's perception took so much time. */
-    void charge(Cost cost, double nanos) {
-        double covered = Math.min(cost.reservedNanos, nanos);
-        cost.reservedNanos -= covered;
+    private static void charge(Cost cost, double nanos) {
         cost.spentNanos += nanos;
         cost.account.owedNanos += nanos;
-        credit = Math.max(credit - (nanos - covered), -MOST_DEBT_NANOS);
     }
 }

@@ -29,7 +29,7 @@ final class Publisher {
     private final Runnable afterFrame;
     private final Observatory observatory = new Observatory();
     private final Telling telling = new Telling();
-    private final PerceptionShares shares = new PerceptionShares();
+    private final PerceptionShares<Session> shares = new PerceptionShares<>(System.nanoTime());
     private final Queue<Runnable> reports = new ConcurrentLinkedQueue<>();
     private final Queue<Session> leavers = new ConcurrentLinkedQueue<>();
     private final Queue<Happened> events = new ConcurrentLinkedQueue<>();
@@ -38,6 +38,8 @@ final class Publisher {
     private final Map<String, Session> members = new LinkedHashMap<>();
     private final Audience audience = new Audience();
     private final Runnable wake;
+    /** Somebody waits for time to perceive the frame that was served. */
+    private boolean owesPerceptions;
     private volatile long published;
     private volatile boolean news;
     private long served;
@@ -91,6 +93,11 @@ final class Publisher {
         return news;
     }
 
+    /** True if there is something to tell, or somebody waits to perceive; event loop's thread. */
+    boolean hasWork() {
+        return news || owesPerceptions;
+    }
+
     /** The session is told nothing any more. */
     void dismiss(Session session) {
         leavers.add(session);
@@ -114,7 +121,7 @@ final class Publisher {
     }
 
     /** Who perceives how much. */
-    PerceptionShares shares() {
+    PerceptionShares<Session> shares() {
         return shares;
     }
 
@@ -154,7 +161,10 @@ final class Publisher {
             }
             boolean wanted = snapshot.filter(frame -> isWanted(frame, !events.isEmpty()))
                     .isPresent();
-            if (wanted && !observatory.read(snapshot.get())) {
+            boolean isRead = owesPerceptions
+                    && snapshot.filter(frame -> frame.frame() == served).isPresent();
+            owesPerceptions = false;
+            if (wanted && !isRead && !observatory.read(snapshot.get())) {
                 return; // overwritten while we read: the next frame is here already
             }
             served = snapshot.map(WorldSnapshot::frame).orElse(served);
@@ -176,7 +186,7 @@ final class Publisher {
     }
 
     private Optional<WorldSnapshot> unservedSnapshot() {
-        if (published == served) {
+        if (published == served && !owesPerceptions) {
             return Optional.empty();
         }
         Optional<WorldSnapshot> latest = port.snapshots().acquireLatest();
@@ -284,8 +294,12 @@ final class Publisher {
                 return; // overwritten while we read: the next frame is here already
             }
         }
-        for (Session member : shares.takeWaiting()) {
-            if (!shares.isTimeLeft() || !serve(member, snapshot)) {
+        for (Session member : shares.waiting()) {
+            if (!shares.isTimeLeft()) {
+                owesPerceptions = true;
+                return;
+            }
+            if (!serve(member, snapshot)) {
                 return;
             }
         }
@@ -294,11 +308,10 @@ final class Publisher {
     /** @return false if the frame is gone */
     private boolean serve(Session member, WorldSnapshot snapshot) {
         long begin = System.nanoTime();
-        shares.reserve(member.perceptionCost());
         boolean there = member.perceptions().serve(observatory.everything().frame(),
                 relations -> relations ? member.relate(look(member), observatory, snapshot)
                         : Optional.of(look(member)));
-        shares.charge(member.perceptionCost(), System.nanoTime() - begin);
+        shares.serve(member.perceptionCost(), System.nanoTime() - begin);
         return there;
     }
 }

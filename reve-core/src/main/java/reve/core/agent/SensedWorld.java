@@ -51,6 +51,7 @@ final class SensedWorld {
     private long moment;
     /** By row: the moment in which its place or box was last another than before. */
     private long[] movedIn = {};
+    private long lastMoved;
 
     /** Boxes by row, as far as somebody has asked since they were loaded. */
     private final BoxIndex index = new BoxIndex();
@@ -60,9 +61,12 @@ final class SensedWorld {
     // The point and line of sight that are being looked at.
     private final double[] eye = new double[3];
     private final double[] point = new double[3];
+    private final double[] ahead = new double[3];
+    private double view = Double.NaN;
+    private double cosHalfView;
     private int looker;
     private int target;
-    private final LongPredicate hides = box -> hides((int) box);
+    private final LongPredicate found = this::findHider;
     private Hiders hiders = new Hiders();
     private final Hiders ofAnybody = hiders;
 
@@ -94,6 +98,7 @@ final class SensedWorld {
         moment++;
         if (rearranged) {
             Arrays.fill(movedIn, moment);
+            lastMoved = moment;
             return Double.POSITIVE_INFINITY;
         }
         markMoved(orientation, orientationBefore, 4);
@@ -113,6 +118,7 @@ final class SensedWorld {
         for (int i = 0; i < components * rows; i++) {
             if (now[i] != before[i]) {
                 movedIn[i / components] = moment;
+                lastMoved = moment;
                 most = Math.max(most, Math.abs(now[i] - before[i]));
             }
         }
@@ -122,6 +128,11 @@ final class SensedWorld {
     /** How often the bodies were followed. */
     long moment() {
         return moment;
+    }
+
+    /** Whether anything has moved since a {@link #moment}. */
+    boolean haveAnyMoved(long since) {
+        return lastMoved > since;
     }
 
     /** Whether a body's place or box has changed since a {@link #moment}. */
@@ -258,6 +269,7 @@ final class SensedWorld {
     }
 
     private boolean sees(Sensor sensor, int body, int row) {
+        lookAhead(sensor, body);
         for (int axis = 0; axis < 3; axis++) {
             point[axis] = Math.clamp(position[3 * body + axis], low[3 * row + axis],
                     high[3 * row + axis]);
@@ -283,10 +295,10 @@ final class SensedWorld {
         return seen;
     }
 
-    /** @param distance of the point from the eye [m] */
+    /** @param distance of the point from the eye [m]; whatever holds the eye does not hide */
     private boolean isSeen(Sensor sensor, int body, int row, double distance) {
         return distance <= sensor.range() && isInView(sensor, body, distance)
-                && !(sensor.lineOfSight() && isHidden(body, row));
+                && !(sensor.lineOfSight() && distance > 0 && isHidden(body, row));
     }
 
     private double distance(int body) {
@@ -300,34 +312,51 @@ final class SensedWorld {
         if (sensor.fieldOfView() >= Sensor.ALL_ROUND) {
             return true;
         }
+        double ahead = this.ahead[0] * (point[0] - position[3 * body])
+                + this.ahead[1] * (point[1] - position[3 * body + 1])
+                + this.ahead[2] * (point[2] - position[3 * body + 2]);
+        return ahead >= distance * cosHalfView;
+    }
+
+    /** The body's own +Z axis, turned: the third column of its rotation matrix. */
+    private void lookAhead(Sensor sensor, int body) {
         double x = orientation[4 * body];
         double y = orientation[4 * body + 1];
         double z = orientation[4 * body + 2];
         double w = orientation[4 * body + 3];
-        // The body's own +Z axis, turned: the third column of its rotation matrix.
-        double ahead = 2 * (x * z + w * y) * (point[0] - position[3 * body])
-                + 2 * (y * z - w * x) * (point[1] - position[3 * body + 1])
-                + (1 - 2 * (x * x + y * y)) * (point[2] - position[3 * body + 2]);
-        return ahead >= distance * Math.cos(0.5 * sensor.fieldOfView());
+        ahead[0] = 2 * (x * z + w * y);
+        ahead[1] = 2 * (y * z - w * x);
+        ahead[2] = 1 - 2 * (x * x + y * y);
+        if (sensor.fieldOfView() != view) {
+            view = sensor.fieldOfView();
+            cosHalfView = Math.cos(0.5 * view);
+        }
     }
 
     private boolean isHidden(int body, int row) {
         buildIndex();
         looker = body;
         target = row;
-        int hider = hiders.of(row);
-        if (hider != NOTHING && hider < rows && hides(hider)) {
-            return true;
+        for (int i = 0; i < hiders.count(); i++) {
+            int known = hiders.get(i);
+            if (known != NOTHING && known < rows && hides(known)) {
+                hiders.toFront(i);
+                return true;
+            }
         }
         System.arraycopy(position, 3 * body, eye, 0, 3);
-        return index.isOnWay(eye, point, hides);
+        return index.isOnWay(eye, point, END, found);
     }
 
     private boolean hides(int box) {
-        boolean hides = box != looker && box != target && shape[box] != Shape.NONE
+        return box != looker && box != target && shape[box] != Shape.NONE
                 && isBetween(looker, box);
+    }
+
+    private boolean findHider(long box) {
+        boolean hides = hides((int) box);
         if (hides) {
-            hiders.put(target, box);
+            hiders.add((int) box);
         }
         return hides;
     }

@@ -16,7 +16,7 @@ import reve.core.world.WorldSnapshot;
  * given. It outlives a broken connection for as long as its hello asked for; another connection
  * that knows its token goes on with it.
  */
-final class Session {
+final class Session implements PerceptionShares.Client {
 
     /** Reasons for which a connection ends that are nobody's fault. */
     private static final Set<String> RESUMABLE = Set.of("lost", "idle", "too-slow");
@@ -121,12 +121,19 @@ final class Session {
         return perceptions;
     }
 
-    PerceptionShares.Cost perceptionCost() {
+    @Override
+    public PerceptionShares.Cost perceptionCost() {
         return perceptionCost;
     }
 
-    boolean isInLockStep() {
+    @Override
+    public boolean isInLockStep() {
         return turn != null;
+    }
+
+    @Override
+    public boolean perceives(long frame) {
+        return perceptions.isDue(frame);
     }
 
     /** Takes as long for any wrong one. */

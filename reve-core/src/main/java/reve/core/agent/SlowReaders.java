@@ -8,21 +8,24 @@ import java.util.Map;
 /**
  * The connections whose sockets do not take what is written to them, and how much of the heap that
  * takes: where it is too much, those are cut that have been slow for the longest. Any thread.
+ *
+ * @param <C> a connection
  */
-final class SlowReaders {
+final class SlowReaders<C> {
 
     /** A rest that counts; 4,096 connections may have less each. */
     private static final int LARGE_BYTES = 16 * 1024;
-    /** Of the heap. */
+    private static final long MOST_BYTES = 256L * 1024 * 1024;
+    /** Of a small heap. */
     private static final int SHARE = 8;
 
     private final long mostBytes;
     /** The slowest first. Guarded by this. */
-    private final Map<Connection, Integer> large = new LinkedHashMap<>();
+    private final Map<C, Integer> large = new LinkedHashMap<>();
     private long bytes;
 
     SlowReaders() {
-        this(Runtime.getRuntime().maxMemory() / SHARE);
+        this(Math.min(MOST_BYTES, Runtime.getRuntime().maxMemory() / SHARE));
     }
 
     SlowReaders(long mostBytes) {
@@ -30,7 +33,7 @@ final class SlowReaders {
     }
 
     /** So much of what was written to a connection waits for its socket. */
-    synchronized void hold(Connection connection, int rest) {
+    synchronized void hold(C connection, int rest) {
         if (rest > LARGE_BYTES) {
             release(connection);
             large.put(connection, rest);
@@ -39,7 +42,7 @@ final class SlowReaders {
     }
 
     /** Its socket has taken all, or is closed. */
-    synchronized void release(Connection connection) {
+    synchronized void release(C connection) {
         Integer rest = large.remove(connection);
         if (rest != null) {
             bytes -= rest;
@@ -47,10 +50,10 @@ final class SlowReaders {
     }
 
     /** Those to cut so that what is left is not too much; they are forgotten. */
-    synchronized List<Connection> excess() {
-        var excess = new ArrayList<Connection>();
+    synchronized List<C> excess() {
+        var excess = new ArrayList<C>();
         while (bytes > mostBytes) {
-            Connection slowest = large.keySet().iterator().next();
+            C slowest = large.keySet().iterator().next();
             release(slowest);
             excess.add(slowest);
         }

@@ -17,13 +17,15 @@ final class Telling {
     private record Fields(int count, byte[] bytes) {}
 
     /**
-     * A frame begins; nobody writes.
+     * A frame is told, or more of it; nobody writes.
      *
      * @param everything what all agents without sensors perceive
      */
     synchronized void begin(View everything) {
-        told.clear();
-        shared = everything;
+        if (everything != shared) {
+            told.clear();
+            shared = everything;
+        }
     }
 
     /**

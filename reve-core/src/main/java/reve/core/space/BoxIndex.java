@@ -98,14 +98,15 @@ public final class BoxIndex {
     /**
      * Whether the way from one point to another meets or touches a box that counts.
      *
+     * @param ends part of the way at either end that is not looked at, such as 1e-9
      * @param counts is asked for the keys of the boxes on the way, in no particular order, until it
      *     says yes
      */
-    public boolean isOnWay(double[] from, double[] to, LongPredicate counts) {
+    public boolean isOnWay(double[] from, double[] to, double ends, LongPredicate counts) {
         int depth = pushTop();
         while (depth > 0) {
             int node = stack[--depth];
-            if (isOnLine(node, from, to)) {
+            if (isOnLine(node, from, to, ends)) {
                 if (node >= size()) {
                     depth = pushChildren(node, depth);
                 } else if (counts.test(keys[node])) {
@@ -120,10 +121,10 @@ public final class BoxIndex {
      * Whether the stretches of the line within the three pairs of a node's faces have a part in
      * common (slab method). As rounding is monotonic, a node around a box is met if the box is.
      */
-    private boolean isOnLine(int node, double[] from, double[] to) {
+    private boolean isOnLine(int node, double[] from, double[] to, double ends) {
         int at = SIDES * node;
-        double enter = 0;
-        double leave = 1;
+        double enter = ends;
+        double leave = 1 - ends;
         for (int axis = 0; axis < AXES; axis++) {
             double way = to[axis] - from[axis];
             double low = sides[at + axis];

@@ -127,6 +127,17 @@ class OutboxTest {
         return new View(frame, 0, List.of());
     }
 
+    @Test
+    void whatIsNotToldAtAllIsMissedBehindWhatIs() {
+        outbox.miss(7, 3, 5);
+        assertThat(take()).isEqualTo("missed 7 of 3 to 5");
+        outbox.offer(bytes("event"), 6);
+        outbox.miss(9, 6, 6);
+        outbox.miss(1, 7, 7);
+        assertThat(List.of(take(), take())).containsExactly("event", "missed 10 of 6 to 7");
+        assertThat(outbox.isEmpty()).isTrue();
+    }
+
     private String take() {
         return switch (outbox.poll()) {
             case Outbox.Message message -> new String(message.bytes(), StandardCharsets.UTF_8);

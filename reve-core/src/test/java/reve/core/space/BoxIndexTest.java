@@ -94,7 +94,7 @@ class BoxIndexTest {
             index.inBox(box, found);
             index.inSphere(50, 50, 50, 20, found);
             index.nearest(50, 50, 50, 20, found);
-            index.isOnWay(from, to, none);
+            index.isOnWay(from, to, 0, none);
             bytes = threads.getCurrentThreadAllocatedBytes() - before;
         }
         assertThat(bytes).as("bytes in the last round").isZero();
@@ -152,12 +152,12 @@ class BoxIndexTest {
         double[] to =
                 {random.nextDouble() * 100, random.nextBoolean() ? y : size, random.nextInt(20)};
         var onWay = new ArrayList<Long>();
-        assertThat(index.isOnWay(from, to, key -> !onWay.add(key))).isFalse();
+        assertThat(index.isOnWay(from, to, 0, key -> !onWay.add(key))).isFalse();
         onWay.sort(null);
         List<Long> onLine = where(row -> meetsLine(row, from, to));
         assertThat(onWay).as("line, " + when).isEqualTo(onLine);
         for (long key : onLine) {
-            assertThat(index.isOnWay(from, to, met -> met == key)).as("stops, " + when).isTrue();
+            assertThat(index.isOnWay(from, to, 0, met -> met == key)).as("stops, " + when).isTrue();
         }
         int most = random.nextInt(20);
         index.nearest(x, y, z, most, found);
