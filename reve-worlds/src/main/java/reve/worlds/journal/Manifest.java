@@ -1,6 +1,7 @@
 package reve.worlds.journal;
 
 import java.io.IOException;
+import java.io.InputStream;
 import java.nio.ByteBuffer;
 import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
@@ -94,8 +95,13 @@ final class Manifest implements AutoCloseable {
             return Optional.empty();
         }
         byte[] bytes;
-        try {
-            bytes = Files.readAllBytes(file);
+        try (InputStream in = Files.newInputStream(file)) {
+            long size = Files.size(file);
+            if (size != BYTES) {
+                throw new CorruptException(file + " is damaged: it has " + size
+                        + " bytes, expected " + BYTES);
+            }
+            bytes = in.readNBytes(BYTES);
         } catch (IOException e) {
             throw FileTrouble.of(file, "read", e);
         }

@@ -109,7 +109,7 @@ public final class SqliteStore implements JournalSink {
     /** With the first image: from then on the files of frames say which store they are of. */
     private void identify() throws SQLException {
         try (Statement statement = connection.createStatement()) {
-            statement.executeUpdate(StoreDatabase.IDENTITY);
+            statement.executeUpdate(StoreDatabase.IDENTITY_IF_ABSENT);
             statement.executeUpdate("DELETE FROM identity");
             insert("INSERT INTO identity VALUES (?, ?)", id.toString(), since);
             statement.executeUpdate("PRAGMA user_version = " + StoreDatabase.VERSION);

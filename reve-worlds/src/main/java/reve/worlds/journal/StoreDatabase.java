@@ -15,14 +15,19 @@ import java.sql.Statement;
 import java.util.ArrayList;
 import java.util.HexFormat;
 import java.util.LinkedHashMap;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
+import java.util.Set;
 import java.util.UUID;
 import java.util.concurrent.atomic.AtomicBoolean;
+import java.util.stream.Collectors;
 import java.util.zip.CRC32C;
 import org.sqlite.SQLiteConfig;
+import org.sqlite.SQLiteConnection;
 import org.sqlite.SQLiteErrorCode;
+import org.sqlite.SQLiteLimits;
 import reve.core.store.CorruptException;
 import reve.worlds.Product;
 
@@ -33,13 +38,24 @@ final class StoreDatabase {
     static final int VERSION = 3;
     /** Stores without an identity, which get one when they are written. */
     private static final int OLD_VERSION = 2;
-    static final String IDENTITY = "CREATE TABLE IF NOT EXISTS identity (id TEXT NOT NULL, "
-            + "since INTEGER NOT NULL)";
-    static final String SCHEMA = """
-            CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB NOT NULL);
+    private static final String LIBRARY =
+            "CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB NOT NULL)";
+    private static final String IMAGE = """
             CREATE TABLE image (frames_file INTEGER PRIMARY KEY, frame INTEGER NOT NULL,
-                bytes BLOB NOT NULL, crc32c INTEGER NOT NULL);
-            """ + IDENTITY;
+                bytes BLOB NOT NULL, crc32c INTEGER NOT NULL)""";
+    private static final String IDENTITY = "identity (id TEXT NOT NULL, since INTEGER NOT NULL)";
+    static final String IDENTITY_IF_ABSENT = "CREATE TABLE IF NOT EXISTS " + IDENTITY;
+    /** What SQLite says of the tables of version 2, the index of a primary key included. */
+    private static final Set<Element> OLD_SCHEMA = Set.of(
+            new Element("table", "library", "library", LIBRARY),
+            new Element("index", "sqlite_autoindex_library_1", "library", Element.AUTOMATIC),
+            new Element("table", "image", "image", IMAGE));
+    private static final Element IDENTITY_TABLE =
+            new Element("table", "identity", "identity", "CREATE TABLE " + IDENTITY);
+    /** Maximum length of an SQL statement, also of those in a schema [bytes]. */
+    private static final int SQL_BYTES = 1_000;
+    /** Maximum number of letters of a name in a message. */
+    private static final int NAME_LENGTH = 60;
 
     /** Where SQLite's own code is looked for, before it is unpacked into a temporary file. */
     private static final String LIBRARY_FOLDER = "org.sqlite.lib.path";
@@ -75,6 +91,22 @@ final class StoreDatabase {
                 List<String> damage) {
         static final Rows NONE = new Rows(true, Optional.empty(), List.of(), Map.of(),
                 List.of(), List.of());
+    }
+
+    /** A row of the schema of a database. */
+    private record Element(String type, String name, String table, String sql) {
+        /** In place of SQL: SQLite made it by itself. */
+        private static final String AUTOMATIC = "null";
+
+        private boolean isSame(Element other) {
+            return type.equals(other.type) && name.equals(other.name);
+        }
+
+        @Override
+        public String toString() {
+            String all = type + " " + name;
+            return all.length() > NAME_LENGTH ? all.substring(0, NAME_LENGTH) + "..." : all;
+        }
     }
 
     private interface Query {
@@ -127,11 +159,12 @@ final class StoreDatabase {
             throw FileTrouble.of(file, "opened", e);
         }
         try (Statement statement = opened.createStatement()) {
+            restrict(opened, statement);
             statement.execute("PRAGMA journal_mode = WAL"); // locked before: needs no -shm file
             statement.execute("PRAGMA synchronous = FULL");
             if (isNew) {
                 statement.executeUpdate("PRAGMA application_id = " + APPLICATION_ID);
-                for (String table : SCHEMA.split(";")) {
+                for (String table : List.of(LIBRARY, IMAGE, IDENTITY_IF_ABSENT)) {
                     statement.executeUpdate(table);
                 }
             }
@@ -186,6 +219,7 @@ final class StoreDatabase {
         config.setBusyTimeout(0);
         try (Connection connection = config.createConnection("jdbc:sqlite:"
                 + file.toAbsolutePath()); Statement statement = connection.createStatement()) {
+            restrict(connection, statement);
             query.run(statement);
         } catch (SQLException e) {
             throw unreadable(file, e);
@@ -196,9 +230,20 @@ final class StoreDatabase {
         }
     }
 
+    /** A schema may come from anyone: it must not run functions, nor other files be attached. */
+    private static void restrict(Connection connection, Statement statement)
+            throws SQLException {
+        var limited = connection.unwrap(SQLiteConnection.class);
+        limited.setLimit(SQLiteLimits.SQLITE_LIMIT_ATTACHED, 0);
+        limited.setLimit(SQLiteLimits.SQLITE_LIMIT_SQL_LENGTH, SQL_BYTES);
+        statement.execute("PRAGMA trusted_schema = OFF");
+        statement.execute("PRAGMA cell_size_check = ON");
+    }
+
     private static IOException unreadable(Path file, SQLException e) {
         SQLiteErrorCode code = SQLiteErrorCode.getErrorCode(e.getErrorCode() & 0xff);
-        if (code == SQLiteErrorCode.SQLITE_CORRUPT || code == SQLiteErrorCode.SQLITE_NOTADB) {
+        if (code == SQLiteErrorCode.SQLITE_CORRUPT || code == SQLiteErrorCode.SQLITE_NOTADB
+                || code == SQLiteErrorCode.SQLITE_TOOBIG) {
             throw new CorruptException(file + " is damaged so that nothing of it can be read ("
                     + e.getMessage() + "); put a copy of it and its files in its place, or name "
                     + "another file", e);
@@ -233,6 +278,7 @@ final class StoreDatabase {
             throw new CorruptException(file + " is a store of version " + version
                     + ", this program reads and writes " + VERSION);
         }
+        requireSchema(file, statement, version);
         attempt(file, damage, () -> {
             try (ResultSet result = statement.executeQuery("PRAGMA integrity_check(1)")) {
                 String found = result.next() ? result.getString(1) : "nothing";
@@ -242,6 +288,47 @@ final class StoreDatabase {
             }
         });
         return version == VERSION;
+    }
+
+    /**
+     * A view, a trigger, a check or a generated column would run SQL of whoever made the file:
+     * without end, or with other results than what is stored.
+     */
+    private static void requireSchema(Path file, Statement statement, long version)
+            throws SQLException {
+        Set<Element> expected = new LinkedHashSet<>(OLD_SCHEMA);
+        if (version == VERSION) {
+            expected.add(IDENTITY_TABLE);
+        }
+        Set<Element> found = new LinkedHashSet<>();
+        try (ResultSet row = statement.executeQuery("SELECT type, name, tbl_name, sql "
+                + "FROM sqlite_schema LIMIT " + (expected.size() + 1))) {
+            while (row.next()) {
+                found.add(new Element(String.valueOf(row.getString(1)),
+                        String.valueOf(row.getString(2)), String.valueOf(row.getString(3)),
+                        String.valueOf(row.getString(4))));
+            }
+        }
+        for (Element each : found) {
+            if (!expected.contains(each)) {
+                throw otherSchema(file, "has a " + each + (expected.stream().anyMatch(each::isSame)
+                        ? " of another form" : ""), expected);
+            }
+        }
+        for (Element each : expected) {
+            if (!found.contains(each)) {
+                throw otherSchema(file, "lacks the " + each, expected);
+            }
+        }
+    }
+
+    private static CorruptException otherSchema(Path file, String what, Set<Element> expected) {
+        return new CorruptException(file + " " + what + ", expected only the tables "
+                + expected.stream().filter(each -> each.type.equals("table")).map(Element::name)
+                        .sorted().collect(Collectors.joining(", "))
+                + " as this program makes them: another program changed it, or it is damaged; put "
+                + "a copy of it and its files in its place, or name another file (nothing was "
+                + "changed)");
     }
 
     private static void readLibraries(Statement statement, Map<String, byte[]> into,

@@ -5,15 +5,20 @@ import static org.assertj.core.api.Assertions.assertThatThrownBy;
 import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 
 import java.io.IOException;
+import java.nio.ByteBuffer;
+import java.nio.channels.FileChannel;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.nio.file.StandardCopyOption;
+import java.nio.file.StandardOpenOption;
 import java.sql.Connection;
 import java.sql.DriverManager;
 import java.sql.SQLException;
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.LinkedHashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Random;
 import java.util.UUID;
 import org.junit.jupiter.api.BeforeEach;
@@ -373,6 +378,57 @@ class SqliteStoreTest {
         update("CREATE TABLE diary (entry TEXT)");
         refused("no store of REVE");
         assertThat(query("SELECT count(*) FROM diary")).isEqualTo("0");
+    }
+
+    /** Endless views, and what else runs SQL or was not made by this program. */
+    @Test
+    void aDatabaseWithAnotherSchemaIsRefusedBeforeItIsRead() throws Exception {
+        fill();
+        byte[] whole = Files.readAllBytes(file);
+        String endless = "WITH RECURSIVE c(x) AS (SELECT 1 UNION ALL SELECT x + 1 FROM c) SELECT ";
+        Map<String, List<String>> changes = new LinkedHashMap<>();
+        for (String table : List.of("identity", "image", "library")) {
+            changes.put("has a table old", List.of("ALTER TABLE " + table + " RENAME TO old",
+                    "CREATE VIEW " + table + " AS " + endless + "old.* FROM old, c WHERE c.x < 0"));
+            changesRefused(changes, whole);
+        }
+        changes.put("has a view v", List.of("CREATE VIEW v AS " + endless + "x FROM c"));
+        changes.put("has a trigger t", List.of(
+                "CREATE TRIGGER t AFTER INSERT ON image BEGIN DELETE FROM library; END"));
+        changes.put("has a index i", List.of("CREATE INDEX i ON image (frame)"));
+        changes.put("has a table w", List.of("CREATE VIRTUAL TABLE w USING fts5(x)"));
+        changes.put("has a table image of another form",
+                List.of("ALTER TABLE image ADD COLUMN more AS (zeroblob(1000000000))"));
+        changes.put("has a table library of another form", List.of("DROP TABLE library",
+                "CREATE TABLE library (sha256 TEXT PRIMARY KEY, bytes BLOB CHECK (bytes > 0))"));
+        changes.put("lacks the table identity", List.of("DROP TABLE identity"));
+        changes.put("has a table identity", List.of("PRAGMA user_version = 2"));
+        changes.put("is damaged so that nothing of it can be read", List.of("CREATE VIEW long AS "
+                + "SELECT '" + "a".repeat(100_000) + "'"));
+        changesRefused(changes, whole);
+    }
+
+    private void changesRefused(Map<String, List<String>> changes, byte[] whole)
+            throws Exception {
+        for (Map.Entry<String, List<String>> change : changes.entrySet()) {
+            Files.write(file, whole);
+            for (String sql : change.getValue()) {
+                update(sql);
+            }
+            byte[] changed = Files.readAllBytes(file);
+            refused("my.db " + change.getKey());
+            assertThat(Files.readAllBytes(file)).isEqualTo(changed);
+        }
+    }
+
+    /** A sparse one may have any size: it must not be read. */
+    @Test
+    void aManifestOfAnotherSizeIsRefusedWithoutBeingRead() throws IOException {
+        fill();
+        try (var channel = FileChannel.open(Manifest.path(file), StandardOpenOption.WRITE)) {
+            channel.write(ByteBuffer.allocate(1), (40L << 30) - 1);
+        }
+        refused("my.db-manifest is damaged: it has 42949672960 bytes, expected 106");
     }
 
     @Test
