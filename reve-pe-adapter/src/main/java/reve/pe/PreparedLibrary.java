@@ -6,6 +6,9 @@ package reve.pe;
  * none does.
  */
 public interface PreparedLibrary extends AutoCloseable {
+    /** Maximum size of a law library [bytes]. */
+    int MAX_BYTES = 1 << 28;
+
     /** Name that the library gives itself. */
     String name();
 

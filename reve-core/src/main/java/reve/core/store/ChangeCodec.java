@@ -162,7 +162,7 @@ public final class ChangeCodec {
                 if (to.isMissingNode()) {
                     item.access().remove(property);
                 } else {
-                    item.access().set(texts.readAction(to.asString()));
+                    item.access().set(texts.readAction(Trees.text("the field to", to)));
                 }
             }
             case PHYSICS -> editPhysics(item, property, to);
@@ -179,10 +179,10 @@ public final class ChangeCodec {
                 double[] n = Trees.numbers(to);
                 item.physical().setOrientation(n[0], n[1], n[2], n[3]);
             }
-            case "shape" -> item.physical().setShape(texts.readShape(to.asString()));
+            case "shape" -> item.physical().setShape(texts.readShape(Trees.text("the field to", to)));
             case "material" -> item.physical().setMaterial(to.isMissingNode() ? Optional.empty()
-                    : Optional.of(texts.readMaterial(to.asString())));
-            case "colour" -> item.physical().setColour(Colour.parse(to.asString()));
+                    : Optional.of(texts.readMaterial(Trees.text("the field to", to))));
+            case "colour" -> item.physical().setColour(Colour.parse(Trees.text("the field to", to)));
             default -> throw new CorruptException(
                     "the physical aspect has no " + property + " that could be set");
         }

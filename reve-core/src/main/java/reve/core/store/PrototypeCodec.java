@@ -68,8 +68,10 @@ public final class PrototypeCodec {
         return new PropertyDescriptor(Trees.text(tree, "name"), Trees.text(tree, "kind"),
                 ScalarType.valueOf(Trees.text(tree, "type")),
                 (int) Trees.integer(tree, "components"), Unit.parse(Trees.text(tree, "unit")),
-                Optional.ofNullable(tree.get("refersTo")).map(JsonNode::asString),
-                tree.has("minimum") ? tree.get("minimum").asDouble() : Double.NEGATIVE_INFINITY,
+                Optional.ofNullable(tree.get("refersTo"))
+                        .map(kind -> Trees.text("the field refersTo", kind)),
+                tree.has("minimum") ? Trees.number("the field minimum", tree.get("minimum"))
+                        : Double.NEGATIVE_INFINITY,
                 Trees.text(tree, "doc"));
     }
 }

@@ -6,6 +6,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.stream.IntStream;
 import tools.jackson.core.JacksonException;
+import tools.jackson.core.exc.StreamConstraintsException;
 import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
@@ -16,6 +17,8 @@ import tools.jackson.databind.json.JsonMapper;
 public final class Trees {
 
     private static final JsonMapper MAPPER = new JsonMapper();
+    /** Maximum length of a value in a message [characters]. */
+    private static final int SHOWN = 80;
 
     private Trees() {}
 
@@ -28,6 +31,9 @@ public final class Trees {
     public static JsonNode read(byte[] json) {
         try {
             return MAPPER.readTree(json);
+        } catch (StreamConstraintsException e) {
+            throw new CorruptException("JSON is nested too deep, or a text or number of it is too "
+                    + "long", e);
         } catch (JacksonException e) {
             throw new CorruptException("no JSON: " + e.getOriginalMessage(), e);
         }
@@ -44,19 +50,60 @@ public final class Trees {
 
     /** A text that has to be there. */
     public static String text(JsonNode object, String name) {
-        return field(object, name).asString();
+        return text("the field " + name, field(object, name));
     }
 
     /** An integer that has to be there. */
     public static long integer(JsonNode object, String name) {
-        return integer(field(object, name));
+        return integer("the field " + name, field(object, name));
     }
 
     static long integer(JsonNode node) {
-        if (!node.isIntegralNumber()) {
-            throw new CorruptException("found " + node + ", expected an integer");
+        return integer("a value", node);
+    }
+
+    /** An integer that has to be from 0 to a limit. */
+    static int count(JsonNode object, String name, int most) {
+        long count = integer(object, name);
+        if (count < 0 || count > most) {
+            throw new CorruptException("the field " + name + ": found " + count
+                    + ", expected 0 to " + most);
+        }
+        return (int) count;
+    }
+
+    private static long integer(String what, JsonNode node) {
+        if (!node.isIntegralNumber() || !node.canConvertToLong()) {
+            throw other(what, node, "an integer of 64 bits");
         }
         return node.asLong();
+    }
+
+    /** @param what it is, for a message */
+    static String text(String what, JsonNode node) {
+        if (!node.isString()) {
+            throw other(what, node, "a text");
+        }
+        return node.asString();
+    }
+
+    /** @param what it is, for a message */
+    public static double number(String what, JsonNode node) {
+        if (!node.isNumber()) {
+            throw other(what, node, "a number");
+        }
+        return node.asDouble();
+    }
+
+    private static CorruptException other(String what, JsonNode found, String expected) {
+        String shown = switch (found.getNodeType()) {
+            case ARRAY -> "a list";
+            case OBJECT -> "an object";
+            case MISSING -> "nothing";
+            default -> found.toString();
+        };
+        return new CorruptException(what + ": found " + (shown.length() > SHOWN
+                ? shown.substring(0, SHOWN) + "..." : shown) + ", expected " + expected);
     }
 
     static List<JsonNode> list(JsonNode object, String name) {
@@ -81,10 +128,14 @@ public final class Trees {
             return IntStream.range(0, node.size()).mapToObj(i -> value(node.get(i))).toList();
         }
         return node.isBoolean() ? node.asBoolean()
-                : node.isNumber() ? (Object) node.asDouble() : node.asString();
+                : node.isNumber() ? (Object) node.asDouble() : text("a value", node);
     }
 
     static double[] numbers(JsonNode array) {
-        return IntStream.range(0, array.size()).mapToDouble(i -> array.get(i).asDouble()).toArray();
+        if (!array.isArray()) {
+            throw other("numbers", array, "a list");
+        }
+        return IntStream.range(0, array.size())
+                .mapToDouble(i -> number("a number", array.get(i))).toArray();
     }
 }

@@ -81,7 +81,7 @@ public final class WorldImageCodec {
         }
         PMap<ItemId, ItemSymbols> items = readItems(Trees.read(required(sections, ITEMS)));
         for (int i = 0; i < tables.size(); i++) {
-            readTable(tables.get(i), sections, into.tables().get(i));
+            readTable(tables.get(i), items.size(), sections, into.tables().get(i));
         }
         into.setSymbolic(Trees.integer(world, "frame"), Trees.integer(world, "lastId"), items);
         into.setAge(Trees.integer(world, "age"));
@@ -145,7 +145,7 @@ public final class WorldImageCodec {
 
     private PMap<ItemId, ItemSymbols> readItems(JsonNode tree) {
         List<ItemDefinition> definitions = Trees.list(tree, "texts").stream()
-                .map(text -> texts.read(text.asString())).toList();
+                .map(text -> texts.read(Trees.text("an item", text))).toList();
         Map<ItemId, ItemSymbols> items = new LinkedHashMap<>();
         for (JsonNode entry : Trees.list(tree, "items")) {
             var id = new ItemId(Trees.integer(entry.path(0)));
@@ -153,7 +153,7 @@ public final class WorldImageCodec {
             if (place < 0 || place >= definitions.size()) {
                 throw new CorruptException("item " + id + " has no text");
             }
-            items.put(id, texts.read(id, entry.path(1).asString(), definitions.get(place))
+            items.put(id, texts.read(id, Trees.text("a name", entry.path(1)), definitions.get(place))
                     .withGiven(Trees.values(entry.path(3))).attached(attachment(entry)));
         }
         for (JsonNode entry : Trees.list(tree, "derived")) {
@@ -183,22 +183,25 @@ public final class WorldImageCodec {
                 ChangeCodec.pose(entry.path(5)));
     }
 
-    private static void readTable(JsonNode tree, Map<String, byte[]> sections, TableCopy into) {
+    /** @param items how many there are: each has a row in one table at most */
+    private static void readTable(JsonNode tree, int items, Map<String, byte[]> sections,
+            TableCopy into) {
         String kind = Trees.text(tree, "kind");
         if (!kind.equals(into.kind())) {
             throw new CorruptException("kind " + kind + ", expected " + into.kind());
         }
-        into.resize((int) Trees.integer(tree, "rows"), (int) Trees.integer(tree, "physicsRows"));
+        int rows = Trees.count(tree, "rows", items);
+        into.resize(rows, Trees.count(tree, "physicsRows", rows));
         for (int i = 0; i < into.properties().size(); i++) {
-            MemorySegment rows = into.column(i);
+            MemorySegment column = into.column(i);
             byte[] bytes = sections.get(section(into, i));
             if (bytes == null) {
-                rows.fill((byte) 0);
-            } else if (bytes.length == rows.byteSize()) {
-                MemorySegment.copy(bytes, 0, rows, ValueLayout.JAVA_BYTE, 0, bytes.length);
+                column.fill((byte) 0);
+            } else if (bytes.length == column.byteSize()) {
+                MemorySegment.copy(bytes, 0, column, ValueLayout.JAVA_BYTE, 0, bytes.length);
             } else {
                 throw new CorruptException(section(into, i) + " has " + bytes.length
-                        + " bytes, expected " + rows.byteSize());
+                        + " bytes, expected " + column.byteSize());
             }
         }
     }

@@ -89,6 +89,26 @@ class WorldCodecTest {
         }
     }
 
+    /** Columns of zeros have no section, so nothing but the items says how long they may be. */
+    @Test
+    void anImageThatClaimsMoreRowsThanItemsTakesNoMemory() {
+        World world = empty();
+        world.add(ItemDefinition.named("only").build());
+        try (WorldImage image = new WorldImage(world); WorldImage back = new WorldImage(empty())) {
+            image.copyFrom(world, 1);
+            Map<String, byte[]> sections = new LinkedHashMap<>(
+                    new WorldImageCodec(PROTOTYPE, NONE).write(image));
+            String tables = new String(sections.get("world"), StandardCharsets.UTF_8);
+            for (String rows : List.of("2147483647", "-1", "4294967297", "null")) {
+                sections.put("world", tables.replaceFirst("\"rows\":[0-9]+", "\"rows\":" + rows)
+                        .getBytes(StandardCharsets.UTF_8));
+                assertThatExceptionOfType(CorruptException.class)
+                        .isThrownBy(() -> new WorldImageCodec(PROTOTYPE, NONE).read(sections, back))
+                        .withMessageContaining("the field rows: found " + rows + ", expected");
+            }
+        }
+    }
+
     @ParameterizedTest(name = "seed {0}")
     @ValueSource(longs = {11, 12, 13, 14, 15, 16})
     void changesMadeAgainMakeTheSameWorld(long seed) {

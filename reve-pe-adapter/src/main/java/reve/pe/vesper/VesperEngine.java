@@ -278,6 +278,11 @@ public final class VesperEngine implements PhysicsEngine {
     /** The stamps tell whether the bytes that were read are those that C copied. */
     private PreparedLibrary prepareUnchanged(Path file) throws IOException {
         LibraryFile.Stamp before = LibraryFile.stamp(file);
+        if (Files.size(file) > PreparedLibrary.MAX_BYTES) {
+            throw new PhysicsException(Status.LIBRARY_LOAD_FAILED, file + " has "
+                + Files.size(file) + " bytes, expected a law library of at most "
+                + PreparedLibrary.MAX_BYTES);
+        }
         MemorySegment prepared = prepareCopy(file);
         try {
             byte[] bytes = Files.readAllBytes(file);

@@ -65,19 +65,35 @@ public final class FrameCodec {
      * A whole digest of a frame that was read; valid until the next one.
      *
      * @param name {@code before}, which some frames have, then {@code digest}
+     * @throws CorruptException if it cannot be read
      */
     public long[] readDigest(JsonNode frame, String name) {
-        ByteBuffer parts = ByteBuffer.wrap(Base64.getDecoder().decode(Trees.text(frame, name)));
-        while (parts.remaining() >= PART_BYTES) {
+        ByteBuffer parts = ByteBuffer.wrap(decoded(name, Trees.text(frame, name)));
+        while (parts.hasRemaining()) {
             int part = 2 * parts.getShort();
             if (part < 0 || part + 1 >= digest.length) {
-                throw new CorruptException("frame " + frame.get("frame")
-                        + " has a digest of another prototype");
+                throw new CorruptException("the field " + name
+                        + ": found a digest of another prototype");
             }
             digest[part] = parts.getLong();
             digest[part + 1] = parts.getLong();
         }
         return digest;
+    }
+
+    private static byte[] decoded(String name, String text) {
+        byte[] bytes;
+        try {
+            bytes = Base64.getDecoder().decode(text);
+        } catch (IllegalArgumentException e) {
+            throw new CorruptException("the field " + name + ": found no Base64, expected a digest",
+                    e);
+        }
+        if (bytes.length % PART_BYTES != 0) {
+            throw new CorruptException("the field " + name + ": found " + bytes.length
+                    + " bytes, expected a digest in parts of " + PART_BYTES + " bytes");
+        }
+        return bytes;
     }
 
     /** Changes of the laws of a frame. */

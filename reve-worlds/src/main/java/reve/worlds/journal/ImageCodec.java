@@ -73,8 +73,10 @@ public final class ImageCodec {
         try {
             JsonNode tree = Trees.read(head);
             Map<String, Long> members = new LinkedHashMap<>();
-            Trees.field(tree, "members").properties()
-                    .forEach(member -> members.put(member.getKey(), member.getValue().asLong()));
+            JsonNode listed = Trees.field(tree, "members");
+            for (String agent : listed.propertyNames()) {
+                members.put(agent, Trees.integer(listed, agent));
+            }
             return new Stored(WorldHeader.read(tree), members, tree, sections);
         } catch (IllegalArgumentException | JacksonException e) {
             throw new CorruptException("its header makes no sense: " + e.getMessage(), e);
@@ -135,7 +137,7 @@ public final class ImageCodec {
         Map<String, Double> parameters = new LinkedHashMap<>();
         Trees.field(tree, "parameters").properties()
                 .forEach(parameter -> parameters.put(parameter.getKey(),
-                        parameter.getValue().asDouble()));
+                        Trees.number("a parameter", parameter.getValue())));
         return new LawLibrary(name, sha256, parameters, bytes);
     }
 

@@ -2,11 +2,13 @@ package reve.worlds.journal;
 
 import java.io.BufferedInputStream;
 import java.io.DataInputStream;
+import java.io.EOFException;
 import java.io.IOException;
 import java.io.InputStream;
 import java.io.UncheckedIOException;
 import java.nio.ByteBuffer;
 import java.nio.ByteOrder;
+import java.nio.channels.Channels;
 import java.nio.channels.FileChannel;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
@@ -24,6 +26,7 @@ import java.util.UUID;
 import java.util.zip.CRC32C;
 import org.jspecify.annotations.Nullable;
 import reve.core.store.CorruptException;
+import reve.pe.PreparedLibrary;
 
 /**
  * A file of records, only ever added to: a whole recording, or frames of a store. A mark, then each
@@ -40,6 +43,11 @@ public final class RunLog {
     private static final int HEAD_BYTES = Integer.BYTES + 1 + Long.BYTES;
     private static final int SUM_BYTES = Integer.BYTES;
     private static final int SHA_BYTES = 32;
+    /** Maximum size of a record; SQLite takes no more for an image either [bytes]. */
+    static final int MAX_BYTES = 1_000_000_000;
+    /** Size from which on a content is summed up before memory is allocated for it [bytes]. */
+    private static final int LARGE_BYTES = 1 << 20;
+    private static final int PIECE_BYTES = 1 << 16;
     /** Size of a file of frames of a store without any frame [bytes]. */
     static final int LINKED_BYTES = EMPTY_BYTES + HEAD_BYTES + 2 * SUM_BYTES + Link.BYTES;
 
@@ -183,6 +191,10 @@ public final class RunLog {
         }
 
         private void add(ByteBuffer bytes) throws IOException {
+            if (bytes.remaining() - HEAD_BYTES - 2 * SUM_BYTES > MAX_BYTES) {
+                throw new IOException(file + " cannot hold a record of " + bytes.remaining()
+                        + " bytes, expected at most " + MAX_BYTES);
+            }
             long end = channel.position();
             full |= bytes.remaining() > maxBytes - end; // nothing may follow a gap
             if (full) {
@@ -212,7 +224,7 @@ public final class RunLog {
     }
 
     private static ByteBuffer encoded(char letter, long frame, byte[]... parts) {
-        int length = Arrays.stream(parts).mapToInt(part -> part.length).sum();
+        int length = Math.toIntExact(Arrays.stream(parts).mapToLong(part -> part.length).sum());
         ByteBuffer record = ByteBuffer.allocate(HEAD_BYTES + length + 2 * SUM_BYTES)
                 .order(ByteOrder.LITTLE_ENDIAN).putInt(length).put((byte) letter).putLong(frame);
         record.putInt(checksum(record.array(), 0, HEAD_BYTES));
@@ -231,6 +243,7 @@ public final class RunLog {
     /** Records one after the other. One thread. */
     public static final class Reader implements Iterator<JournalRecord>, AutoCloseable {
         private final Path file;
+        private final FileChannel channel;
         private final DataInputStream in;
         private final long size;
         private long at = MARK.length;
@@ -245,15 +258,16 @@ public final class RunLog {
                 throw new IOException(Files.exists(file) ? file + " is no file that could be a "
                         + "recording" : "there is no recording " + file);
             }
-            size = Files.size(file);
-            InputStream stream = Files.newInputStream(file);
-            in = new DataInputStream(new BufferedInputStream(stream, 1 << 16));
+            channel = FileChannel.open(file);
+            in = new DataInputStream(
+                    new BufferedInputStream(Channels.newInputStream(channel), PIECE_BYTES));
             try {
+                size = channel.size();
                 if (!Arrays.equals(in.readNBytes(MARK.length), MARK)) {
                     throw new CorruptException(file + " is no recording of this version of REVE");
                 }
                 advance();
-            } catch (IOException | CorruptException e) {
+            } catch (IOException | RuntimeException e) {
                 in.close();
                 throw e;
             }
@@ -296,8 +310,7 @@ public final class RunLog {
             try {
                 advance();
             } catch (IOException e) {
-                throw new UncheckedIOException(file + " cannot be read: "
-                        + e.getMessage(), e);
+                throw new UncheckedIOException(FileTrouble.of(file, "read", e).getMessage(), e);
             }
             return record;
         }
@@ -313,7 +326,8 @@ public final class RunLog {
                 cut = left > 0;
                 return null;
             }
-            byte[] bytes = in.readNBytes(HEAD_BYTES);
+            byte[] bytes = new byte[HEAD_BYTES];
+            in.readFully(bytes);
             ByteBuffer head = ByteBuffer.wrap(bytes).order(ByteOrder.LITTLE_ENDIAN);
             int length = head.getInt();
             if (nextSum() != checksum(bytes, 0, HEAD_BYTES) || length < 0) {
@@ -323,7 +337,13 @@ public final class RunLog {
                 cut = true;
                 return null;
             }
-            byte[] content = in.readNBytes(length);
+            boolean fits = length <= (bytes[Integer.BYTES] == 'L'
+                    ? PreparedLibrary.MAX_BYTES + SHA_BYTES : MAX_BYTES);
+            if (!fits || length > LARGE_BYTES && !isGood(length)) {
+                throw damaged();
+            }
+            byte[] content = new byte[length];
+            in.readFully(content);
             if (nextSum() != checksum(content, 0, length)) {
                 throw damaged();
             }
@@ -337,6 +357,28 @@ public final class RunLog {
             JournalRecord record = decoded(letter, frame, content);
             at += HEAD_BYTES + length + 2 * SUM_BYTES;
             return record;
+        }
+
+        /** Whether the sum of a content is right; sparse files claim any length for nothing. */
+        private boolean isGood(int length) throws IOException {
+            long from = at + HEAD_BYTES + SUM_BYTES;
+            ByteBuffer piece = ByteBuffer.allocate(PIECE_BYTES).order(ByteOrder.LITTLE_ENDIAN);
+            var crc = new CRC32C();
+            for (long end = from + length; from < end; from += piece.limit()) {
+                fill(piece.clear().limit((int) Math.min(piece.capacity(), end - from)), from);
+                crc.update(piece);
+            }
+            fill(piece.clear().limit(SUM_BYTES), from);
+            return piece.getInt() == (int) crc.getValue();
+        }
+
+        private void fill(ByteBuffer piece, long from) throws IOException {
+            while (piece.hasRemaining()) {
+                if (channel.read(piece, from + piece.position()) < 0) {
+                    throw new EOFException("it has become shorter");
+                }
+            }
+            piece.flip();
         }
 
         private int nextSum() throws IOException {

@@ -14,6 +14,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.function.Consumer;
 import org.jspecify.annotations.Nullable;
+import reve.pe.PreparedLibrary;
 import reve.worlds.journal.JournalRecord;
 
 /**
@@ -78,7 +79,8 @@ final class LawFiles {
             }
             try (DirectoryStream<Path> libraries = Files.newDirectoryStream(folder, "*.so")) {
                 for (Path library : libraries) {
-                    if (Files.isRegularFile(library) && Files.isReadable(library)) {
+                    if (Files.isRegularFile(library) && Files.isReadable(library)
+                            && Files.size(library) <= PreparedLibrary.MAX_BYTES) {
                         all.putIfAbsent(sha256(Files.readAllBytes(library)), library);
                     }
                 }

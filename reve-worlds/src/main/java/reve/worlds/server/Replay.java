@@ -118,7 +118,7 @@ public final class Replay implements AutoCloseable {
             case JournalRecord.Image image -> begin(image);
             case JournalRecord.Frame frame -> {
                 if (isGoing(until)) {
-                    make(Trees.read(frame.json()));
+                    make(frame);
                 }
             }
         }
@@ -237,6 +237,15 @@ public final class Replay implements AutoCloseable {
         }
     }
 
+    private void make(JournalRecord.Frame record) {
+        try {
+            make(Trees.read(record.json()));
+        } catch (CorruptException e) {
+            throw new CorruptException("the record of frame " + record.frame() + ": "
+                    + e.getMessage(), e);
+        }
+    }
+
     private void make(JsonNode frame) {
         Simulation made = simulation;
         if (made == null || codec == null || digest == null) {
@@ -295,8 +304,11 @@ public final class Replay implements AutoCloseable {
         if (inputs != null) {
             try {
                 step.run();
-            } catch (RuntimeException e) {
+            } catch (CorruptException | PhysicsException e) {
                 failure = e;
+            } catch (RuntimeException e) {
+                failure = new CorruptException("it does not fit this world: "
+                        + e.getMessage(), e);
             }
         }
     }

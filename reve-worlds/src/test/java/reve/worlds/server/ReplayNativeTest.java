@@ -1,15 +1,18 @@
 package reve.worlds.server;
 
 import static org.assertj.core.api.Assertions.assertThat;
+import static org.assertj.core.api.Assertions.assertThatExceptionOfType;
 import static org.assertj.core.api.Assertions.assertThatThrownBy;
 
 import java.io.IOError;
 import java.io.IOException;
+import java.io.UncheckedIOException;
 import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.Arrays;
+import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
@@ -18,6 +21,8 @@ import java.util.Random;
 import java.util.concurrent.ConcurrentHashMap;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.CountDownLatch;
+import java.util.function.UnaryOperator;
+import java.util.regex.Matcher;
 import org.junit.jupiter.api.BeforeEach;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
@@ -117,6 +122,65 @@ class ReplayNativeTest {
         try (Replay replay = replay(forged)) {
             assertThat(replay.divergence().orElseThrow().frame()).isEqualTo(30);
         }
+    }
+
+    /** With right checksums, as another program can write them. */
+    @Test
+    void aFrameThatCannotBeReadIsNamedWithWhatWasExpected() throws IOException {
+        record(8, (simulation, frame) -> {
+            if (frame == 5) {
+                simulation.world().find("c7").orElseThrow().physics().set("velocity", 0, 2.5, 0);
+            }
+        });
+        Map<String, String> digests = new LinkedHashMap<>();
+        digests.put("null", "found null, expected a text");
+        digests.put("1180591620717411303424", "found 1180591620717411303424, expected a text");
+        digests.put("-1", "found -1, expected a text");
+        digests.put("[null,null]", "found a list, expected a text");
+        digests.put("[[[[]]]]", "found a list, expected a text");
+        digests.put("{\"a\":null}", "found an object, expected a text");
+        digests.put("\"?\"", "found no Base64, expected a digest");
+        digests.put("\"AAAA\"", "found 3 bytes, expected a digest in parts of 18 bytes");
+        for (String field : List.of("digest", "before")) {
+            digests.forEach((value, found) -> refused(
+                    json -> json.replaceFirst("\"" + field + "\":\"[^\"]*\"",
+                            "\"" + field + "\":" + Matcher.quoteReplacement(value)),
+                    "the field " + field + ": " + found));
+        }
+        refused(json -> json.replace("\"frame\":6", "\"frame\":1180591620717411303424"),
+                "the field frame: found 1180591620717411303424, expected an integer of 64 bits");
+        refused(json -> json.replace("[0.0,2.5,0.0]", "[null,2.5,0.0]"),
+                "a number: found null, expected a number");
+        refused(json -> json.replace("\"changes\"", "\"laws\":[{\"law\":\"unloaded\","
+                + "\"place\":7000}],\"changes\""), "it does not fit this world");
+        refused(json -> "[".repeat(200_000), "JSON is nested too deep, or a text or number of it "
+                + "is too long");
+        refused(json -> "null", "the field frame is missing");
+        refused(json -> "", "the field frame is missing");
+    }
+
+    private void refused(UnaryOperator<String> change, String message) {
+        Path forged = folder.resolve("forged.log");
+        try (RunLog.Reader records = RunLog.open(log);
+                JournalSink sink = new Recording(RecordingPlan.of(forged))) {
+            while (records.hasNext()) {
+                JournalRecord record = records.next();
+                if (record instanceof JournalRecord.Frame frame && frame.frame() == 6) {
+                    String json = new String(frame.json(), StandardCharsets.UTF_8);
+                    String other = change.apply(json);
+                    assertThat(other).isNotEqualTo(json);
+                    sink.write(new JournalRecord.Frame(6, other.getBytes(StandardCharsets.UTF_8)));
+                } else {
+                    sink.write(record);
+                }
+            }
+        } catch (IOException e) {
+            throw new UncheckedIOException(e);
+        }
+        assertThatExceptionOfType(CorruptException.class).isThrownBy(() -> replay(forged))
+                .withMessageStartingWith("the record of frame 6: ").withMessageContaining(message)
+                .satisfies(refused -> assertThat(refused.getMessage())
+                        .doesNotContain("Node", "java", "Stream").hasLineCount(1));
     }
 
     @Test
