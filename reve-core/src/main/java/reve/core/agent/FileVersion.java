@@ -11,7 +11,7 @@ import java.util.EnumSet;
 import java.util.Set;
 
 /** Distinguishes one content of a file from the next, and says whose it is. */
-record FileVersion(FileTime modified, long bytes, Object inode, boolean isFolder,
+record FileVersion(FileTime modified, long bytes, Object inode, boolean isFolder, boolean isFile,
         Set<PosixFilePermission> permissions) {
 
     /** Mode 600. */
@@ -22,7 +22,7 @@ record FileVersion(FileTime modified, long bytes, Object inode, boolean isFolder
     static FileVersion of(Path path) throws IOException {
         PosixFileAttributes file = Files.readAttributes(path, PosixFileAttributes.class);
         return new FileVersion(file.lastModifiedTime(), file.size(), file.fileKey(),
-                file.isDirectory(), file.permissions());
+                file.isDirectory(), file.isRegularFile(), file.permissions());
     }
 
     /** Whether others than the owner may read or write it. */

@@ -164,6 +164,10 @@ public final class ServerTls {
         if (!Files.exists(file) || Files.isDirectory(file)) {
             throw new NoSuchFileException("there is no file " + file + ", expected one in PEM");
         }
+        if (!Files.isRegularFile(file)) { // reading a pipe waits for a writer
+            throw new FileSystemException(file + " is a pipe or a device, expected a file in PEM; "
+                    + "name that file");
+        }
     }
 
     private static Certificate[] chain(Path file) throws IOException {

@@ -156,6 +156,10 @@ public final class TokenFile {
         if (version.isFolder()) {
             throw new FileSystemException(path + " is a folder, expected a file of tokens");
         }
+        if (!version.isFile()) { // reading a pipe waits for a writer
+            throw new FileSystemException(path + " is a pipe or a device, expected a file of "
+                    + "tokens; name that file");
+        }
         return version;
     }
 

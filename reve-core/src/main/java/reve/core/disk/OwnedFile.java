@@ -18,11 +18,14 @@ import java.util.Set;
 
 /**
  * A file that one process appends to: it is locked until it is closed or the process ends. Devices
- * and pipes are not locked. While it is open, this process must not open the file in another way,
+ * are not locked; pipes are refused, because opening one waits for a reader. While it is open, this process must not open the file in another way,
  * because the system would release the lock when that other channel is closed. One thread.
  */
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;
+    /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
+    private static final int TYPE_BITS = 0170000;
+    private static final int PIPE = 0010000;
 
     private final Path path;
     private final FileChannel channel;
@@ -37,11 +40,16 @@ public final class OwnedFile implements Closeable {
     /**
      * Opens a file, or makes it with these attributes.
      *
-     * @throws IOException if that fails, or another process has the file
+     * @throws IOException if that fails, it is a pipe, or another process has the file
      */
     public static OwnedFile open(Path path, FileAttribute<?>... attributes) throws IOException {
         for (int i = 0; i < TRIES; i++) {
             Optional<Object> before = key(path);
+            if (before.isPresent()
+                    && ((int) Files.getAttribute(path, "unix:mode") & TYPE_BITS) == PIPE) {
+                throw new FileSystemException(path.toString(), null,
+                        "it is a pipe, expected a file; name another file");
+            }
             FileChannel channel = FileChannel.open(path, Set.of(StandardOpenOption.CREATE,
                     StandardOpenOption.WRITE, StandardOpenOption.APPEND), attributes);
             try {

@@ -7,6 +7,7 @@ import de.javagl.jgltf.model.GltfConstants;
 import java.util.ArrayList;
 import java.util.HashSet;
 import java.util.List;
+import java.util.Objects;
 import java.util.Map;
 import java.util.Set;
 import java.util.stream.IntStream;
@@ -41,7 +42,13 @@ final class GltfReader {
     }
 
     static Mesh read(byte[] bytes, Sources sources) throws AssetException {
-        return new GltfReader(GltfContainer.read(bytes, sources), sources).read();
+        GltfContainer file = GltfContainer.read(bytes, sources);
+        try {
+            return new GltfReader(file, sources).read();
+        } catch (RuntimeException broken) {
+            // The library leaves null, and values out of range, in what it read.
+            throw sources.refuse("not glTF: " + Reason.of(broken, "it contradicts itself"));
+        }
     }
 
     private Mesh read() throws AssetException {
@@ -56,6 +63,9 @@ final class GltfReader {
         List<String> required = orEmpty(gltf.getExtensionsRequired());
         if (required.isEmpty()) {
             return;
+        }
+        if (required.stream().anyMatch(Objects::isNull)) {
+            throw sources.refuse("not glTF: extensionsRequired: found null, expected names");
         }
         boolean compressed = required.stream().anyMatch(
                 name -> name.contains("draco") || name.contains("meshopt"));

@@ -63,6 +63,14 @@ class AuditLogTest {
                 .hasMessageContainingAll(folder.toString(), "Is a directory");
     }
 
+    /** Opening a pipe to write would wait for a reader, perhaps for ever. */
+    @Test
+    void aPipeIsRefused() throws Exception {
+        assertThat(new ProcessBuilder("mkfifo", file.toString()).start().waitFor()).isZero();
+        assertThatThrownBy(() -> new AuditLog(AuditPlan.of(file))).isInstanceOf(IOException.class)
+                .hasMessageContainingAll(file.toString(), "it is a pipe, expected a file");
+    }
+
     @Test
     void theRecordIsForItsOwnerAlone() throws Exception {
         open(AuditPlan.of(file)).close();

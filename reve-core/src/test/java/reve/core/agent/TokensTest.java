@@ -92,6 +92,20 @@ class TokensTest {
                 .hasMessageContaining("chmod 600");
     }
 
+    /** Reading a pipe would wait for a writer, perhaps for ever. */
+    @Test
+    void aPipeIsNoFileOfTokens() throws Exception {
+        Path pipe = file.resolveSibling("pipe");
+        assertThat(new ProcessBuilder("mkfifo", "-m", "600", pipe.toString()).start().waitFor())
+                .isZero();
+        assertThatThrownBy(() -> TokenFile.open(pipe)).isInstanceOf(IOException.class)
+                .hasMessage(pipe + " is a pipe or a device, expected a file of tokens; name that "
+                        + "file");
+        assertThatThrownBy(() -> ServerTls.of(pipe, pipe)).isInstanceOf(IOException.class)
+                .hasMessage(pipe + " is a pipe or a device, expected a file in PEM; name that "
+                        + "file");
+    }
+
     @Test
     void aMissingFileIsNamedWithTheCommandThatMakesIt() {
         assertThatThrownBy(() -> TokenFile.open(file)).isInstanceOf(NoSuchFileException.class)

@@ -234,6 +234,15 @@ class HostileAssetsTest {
     }
 
     @Test
+    void aRequiredExtensionWithoutANameIsRefused() throws IOException {
+        Files.write(folder.resolve("x.gltf"), bytes(Gltf.triangle().embedded(
+                SCENE + ", \"extensionsRequired\": [null]")));
+        assertThatThrownBy(() -> new Assets(new WorldFolder(folder)).mesh("x.gltf"))
+                .isInstanceOf(AssetException.class).hasMessage("x.gltf: not glTF: "
+                        + "extensionsRequired: found null, expected names");
+    }
+
+    @Test
     void aFileThatIsItsOwnLinkIsRefused() throws Exception {
         Files.createSymbolicLink(folder.resolve("x.obj"), Path.of("x.obj"));
         Files.createDirectory(folder.resolve("y.obj"));

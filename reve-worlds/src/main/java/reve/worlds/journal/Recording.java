@@ -15,10 +15,6 @@ import reve.core.disk.OwnedFile;
  * recording is moved out of its way.
  */
 public final class Recording implements JournalSink {
-    /** The bits of a Unix file mode that say what a file is, and what they are for a pipe. */
-    private static final int TYPE_BITS = 0170000;
-    private static final int PIPE = 0010000;
-
     private final RecordingPlan plan;
     private final Path file;
     private Optional<Path> older = Optional.empty();
@@ -40,7 +36,6 @@ public final class Recording implements JournalSink {
     }
 
     private OwnedFile open() throws IOException {
-        refusePipe();
         requireRecording(file); // reads it, which would unlock it later
         try {
             OwnedFile found = OwnedFile.open(file);
@@ -79,14 +74,6 @@ public final class Recording implements JournalSink {
         } catch (IOException e) {
             owned.close();
             throw e;
-        }
-    }
-
-    /** What is not written whole is taken back, which a pipe does not do; it may block, too. */
-    private void refusePipe() throws IOException {
-        if (Files.exists(file)
-                && ((int) Files.getAttribute(file, "unix:mode") & TYPE_BITS) == PIPE) {
-            throw new IOException(file + " is a pipe, expected a file");
         }
     }
 
