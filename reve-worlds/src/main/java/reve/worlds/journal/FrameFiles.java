@@ -4,6 +4,7 @@ import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.security.SecureRandom;
+import java.util.List;
 import java.util.TreeMap;
 import java.util.stream.Stream;
 import org.jspecify.annotations.Nullable;
@@ -125,10 +126,22 @@ final class FrameFiles {
         }
     }
 
-    /** Made again if it was removed. */
+    /**
+     * What became of the newest file and the manifest, a line each. Any thread but that closes
+     * files.
+     */
+    List<String> troubles() {
+        Manifest listed = manifest;
+        RunLog.Writer file = current;
+        List<String> found = Stream.of(listed == null ? "" : listed.trouble(),
+                file == null ? "" : file.trouble()).filter(each -> !each.isEmpty()).toList();
+        return listed == manifest && file == current ? found : List.of(); // else look again
+    }
+
+    /** Made again if it is not in its place. */
     private Manifest manifest() throws IOException {
         Manifest now = manifest;
-        if (now == null || !now.isThere()) {
+        if (now == null || !now.trouble().isEmpty()) {
             if (now != null) {
                 claim = now.claim();
                 now.close();

@@ -33,6 +33,14 @@ public interface JournalSink extends AutoCloseable {
         return Optional.empty();
     }
 
+    /**
+     * Looks at its files and returns a line about each that was removed, replaced or cut since the
+     * last look, with what to do. The thread that writes images.
+     */
+    default List<String> troubles() {
+        return List.of();
+    }
+
     /** Whether it has the size that it was to have, and ends there. */
     default boolean hasItsLimit() {
         return false;
@@ -51,11 +59,21 @@ public interface JournalSink extends AutoCloseable {
     @Override
     void close() throws IOException;
 
+    /** A file of the sink was lost, and another one has begun: the image is to be written again. */
+    final class BegunAnewException extends IOException {
+        private static final long serialVersionUID = 1L;
+
+        BegunAnewException(String message) {
+            super(message);
+        }
+    }
+
     /** Where an image goes: any thread, also while another one writes; places in their order. */
     interface Place {
         /**
          * Keeps the image and the libraries that it names, all or nothing.
          *
+         * @throws BegunAnewException if nothing was written, and trying again is likely to help
          * @throws IOException naming the file, if that failed; the place may be tried again
          */
         void write(List<JournalRecord.Library> libraries, JournalRecord.Image image)

@@ -2,6 +2,7 @@ package reve.worlds.journal;
 
 import java.io.IOException;
 import java.nio.file.Path;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
@@ -76,6 +77,12 @@ final class JournalWriter {
 
     void start() {
         thread.start();
+        disk.scheduleWithFixedDelay(this::lookAtFiles, LOOK_NANOSECONDS, LOOK_NANOSECONDS,
+                TimeUnit.NANOSECONDS);
+    }
+
+    private void lookAtFiles() {
+        attempt(() -> sink.troubles().forEach(problems), "; the files are looked at again");
     }
 
     void wake() {
@@ -339,7 +346,7 @@ final class JournalWriter {
     private boolean writeImage(SimulationImage image, Map<String, Long> members,
             JournalSink.Place place, int tries, String otherwise) {
         try {
-            Step step = () -> place.write(
+            Step step = () -> write(place,
                     image.physics().libraries().stream().map(JournalWriter::record).toList(),
                     new JournalRecord.Image(image.frame(), images.write(image, members)));
             boolean done = attempt(step, otherwise);
@@ -350,6 +357,17 @@ final class JournalWriter {
             return done;
         } finally {
             rooms.add(image);
+        }
+    }
+
+    private void write(JournalSink.Place place, List<JournalRecord.Library> libraries,
+            JournalRecord.Image image) throws IOException {
+        try {
+            place.write(libraries, image);
+        } catch (JournalSink.BegunAnewException e) {
+            problems.accept(e.getMessage() + "; it goes on with the image of frame "
+                    + image.frame());
+            place.write(libraries, image);
         }
     }
 

@@ -29,6 +29,7 @@ final class Manifest implements AutoCloseable {
 
     private final Path file;
     private final FileChannel channel;
+    private final FilePlace place;
     private final ByteBuffer block = ByteBuffer.allocateDirect(BYTES);
     private Claim claim;
     private long frame;
@@ -62,14 +63,19 @@ final class Manifest implements AutoCloseable {
     Manifest(Path store, Claim claim) throws IOException {
         file = path(store);
         this.claim = claim;
+        if (Files.exists(file) && !Files.isRegularFile(file)) { // opening a pipe waits for a reader
+            throw new IOException(file + " is no regular file, expected a file of the store "
+                    + store + "; move it away");
+        }
         try {
             channel = FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE);
         } catch (IOException e) {
             throw failed(e);
         }
         try {
+            place = FilePlace.of(file);
             write(claim);
-            channel.force(true);
+            channel.truncate(BYTES).force(true);
         } catch (IOException e) {
             channel.close();
             throw e;
@@ -144,13 +150,10 @@ final class Manifest implements AutoCloseable {
         }
     }
 
-    /** Whether the file is still where it was made. */
-    boolean isThere() {
-        return Files.exists(file);
-    }
-
-    Path file() {
-        return file;
+    /** What became of the file, as a line; empty if all of it is where it was made. */
+    String trouble() {
+        String what = place.trouble(BYTES);
+        return what.isEmpty() ? "" : file + " " + what;
     }
 
     synchronized Claim claim() {

@@ -100,26 +100,29 @@ public final class RunLog {
         private final Path file;
         private final FileChannel channel;
         private final long maxBytes;
+        private final Optional<FilePlace> place;
+        private volatile long written;
         private final Set<String> libraries = new HashSet<>();
         private boolean full;
 
         /** A recording, in an empty file, which the writer closes. */
         Writer(Path file, FileChannel channel, long maxBytes) throws IOException {
-            this(file, channel, maxBytes, ByteBuffer.wrap(MARK));
+            this(file, channel, maxBytes, ByteBuffer.wrap(MARK), false);
         }
 
         /** A file of frames of a store. */
         Writer(Path file, Link link) throws IOException {
             this(file, emptied(file), Long.MAX_VALUE, ByteBuffer.allocate(LINKED_BYTES).put(MARK)
-                    .put(link.encoded()).flip());
+                    .put(link.encoded()).flip(), true);
         }
 
-        private Writer(Path file, FileChannel channel, long maxBytes, ByteBuffer start)
-                throws IOException {
+        private Writer(Path file, FileChannel channel, long maxBytes, ByteBuffer start,
+                boolean isWatched) throws IOException {
             this.file = file;
             this.channel = channel;
             this.maxBytes = maxBytes;
             try {
+                place = isWatched ? Optional.of(FilePlace.of(file)) : Optional.empty();
                 add(start);
             } catch (IOException e) {
                 channel.close();
@@ -181,6 +184,13 @@ public final class RunLog {
             }
         }
 
+        /** What became of a file of frames, as a line; empty if all of it is in its place. */
+        String trouble() {
+            long bytes = written;
+            String what = place.map(there -> there.trouble(bytes)).orElse("");
+            return what.isEmpty() ? "" : file + " " + what;
+        }
+
         boolean isOpen() {
             return channel.isOpen();
         }
@@ -196,6 +206,7 @@ public final class RunLog {
                         + " bytes, expected at most " + MAX_BYTES);
             }
             long end = channel.position();
+            long after = end + bytes.remaining();
             full |= bytes.remaining() > maxBytes - end; // nothing may follow a gap
             if (full) {
                 throw new IOException(file + " has its limit of " + maxBytes + " bytes");
@@ -204,6 +215,7 @@ public final class RunLog {
                 while (bytes.hasRemaining()) {
                     channel.write(bytes);
                 }
+                written = after;
             } catch (IOException e) {
                 takeBack(end, e);
                 throw failed(e);
@@ -212,6 +224,7 @@ public final class RunLog {
 
         private void takeBack(long end, IOException after) {
             try {
+                written = end;
                 channel.truncate(end).position(end);
             } catch (IOException e) {
                 after.addSuppressed(e);

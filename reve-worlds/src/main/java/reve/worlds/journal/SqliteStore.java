@@ -2,12 +2,14 @@ package reve.worlds.journal;
 
 import java.io.IOException;
 import java.nio.file.Files;
+import java.nio.file.LinkOption;
 import java.nio.file.Path;
 import java.sql.Connection;
 import java.sql.PreparedStatement;
 import java.sql.SQLException;
 import java.sql.Statement;
 import java.util.HashSet;
+import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Set;
 import java.util.UUID;
@@ -28,7 +30,11 @@ public final class SqliteStore implements JournalSink {
     private final UUID id;
     private final long since;
     private final Set<String> damagedLibraries;
+    private final Set<String> told = new HashSet<>();
     private Connection connection;
+    private FilePlace place;
+    /** Size that the database has at least [bytes]. */
+    private long bytes;
     private boolean hasIdentity;
 
     /** How much a power failure may cost; the end of the process alone never costs a record. */
@@ -57,6 +63,8 @@ public final class SqliteStore implements JournalSink {
         since = contents.lastFile() + 1;
         frames = new FrameFiles(file, contents.claim(), contents.lastFile(), contents.lastId());
         connection = StoreDatabase.open(file);
+        place = FilePlace.of(file);
+        bytes = Files.size(file);
     }
 
     @Override
@@ -77,7 +85,7 @@ public final class SqliteStore implements JournalSink {
 
     private void write(long framesFile, List<JournalRecord.Library> libraries,
             JournalRecord.Image image) throws IOException {
-        requirePresent();
+        requireInPlace();
         frames.forceManifest();
         long sum = StoreDatabase.checksum(image.bytes(), framesFile, image.frame());
         long oldest;
@@ -102,6 +110,7 @@ public final class SqliteStore implements JournalSink {
         hasIdentity = true;
         libraries.forEach(library -> damagedLibraries.remove(library.sha256()));
         checkpoint();
+        bytes = Files.exists(file) ? Files.size(file) : bytes;
         frames.keep(framesFile, image.frame(), sum);
         frames.dropBefore(oldest);
     }
@@ -134,16 +143,67 @@ public final class SqliteStore implements JournalSink {
         }
     }
 
-    /** What is written to a file that was removed is lost: makes the database again. */
-    private void requirePresent() throws IOException {
-        if (Files.exists(file)) {
+    /**
+     * What is written to a file that was removed is lost: makes the database again. What is in its
+     * place is kept under another name.
+     */
+    private void requireInPlace() throws IOException {
+        String trouble = place.trouble(bytes);
+        if (trouble.isEmpty() && !isClosed()) {
             return;
         }
-        var removed = new IOException(file + " was removed; it has been made anew");
-        StoreDatabase.closeAfter(connection, removed);
+        var closing = new IOException(trouble);
+        StoreDatabase.closeAfter(connection, closing);
+        String kept = trouble.isEmpty() ? "" : moveAside();
         connection = StoreDatabase.open(file);
-        hasIdentity = false;
-        throw removed;
+        place = FilePlace.of(file);
+        bytes = Files.size(file);
+        if (!trouble.isEmpty()) {
+            hasIdentity = false;
+            throw new BegunAnewException(file + " " + trouble + "; it has been made anew" + kept);
+        }
+    }
+
+    private boolean isClosed() throws IOException {
+        try {
+            return connection.isClosed();
+        } catch (SQLException e) {
+            throw FileTrouble.of(file, "written", e);
+        }
+    }
+
+    /** @return where it is now, for people; empty if there was nothing */
+    private String moveAside() throws IOException {
+        if (!Files.exists(file, LinkOption.NOFOLLOW_LINKS)) {
+            return "";
+        }
+        int number = 1;
+        Path aside;
+        do {
+            aside = file.resolveSibling(file.getFileName() + ".replaced-" + number++);
+        } while (Files.exists(aside, LinkOption.NOFOLLOW_LINKS));
+        try {
+            Files.move(file, aside);
+        } catch (IOException e) {
+            throw FileTrouble.of(file, "moved to " + aside, e);
+        }
+        return "; what was there is now " + aside;
+    }
+
+    @Override
+    public List<String> troubles() {
+        Set<String> now = new LinkedHashSet<>(frames.troubles());
+        String trouble = place.trouble(bytes);
+        if (!trouble.isEmpty()) {
+            now.add(file + " " + trouble);
+        }
+        List<String> fresh = now.stream().filter(each -> !told.contains(each))
+                .map(each -> each + ". The next image makes the store whole again, and the server "
+                        + "has to run until then; leave the files of a store that is in use alone")
+                .toList();
+        told.clear();
+        told.addAll(now);
+        return fresh;
     }
 
     @Override

@@ -321,6 +321,54 @@ class SqliteStoreTest {
         assertThat(read()).containsExactly("image 61", "frame 62");
     }
 
+    /** While a server runs: a line about each file, once, and the next image makes up for it. */
+    @Test
+    void filesThatAreRemovedReplacedOrCutAreToldAndMadeUpForByTheNextImage() throws Exception {
+        interface Act {
+            void on(Path path) throws IOException;
+        }
+        Map<String, Act> acts = new LinkedHashMap<>();
+        acts.put("was removed", Files::delete);
+        acts.put("was replaced by another file", path -> Files.move(
+                Files.copy(path, folder.resolve("copy"), StandardCopyOption.REPLACE_EXISTING),
+                path, StandardCopyOption.REPLACE_EXISTING));
+        acts.put("was cut to 3 of", path -> Files.write(path, new byte[3]));
+        int run = 0;
+        for (Map.Entry<String, Act> act : acts.entrySet()) {
+            for (String name : List.of("-manifest", "-frames-6", "")) {
+                file = Files.createDirectory(folder.resolve("run" + run++)).resolve("my.db");
+                fill();
+                Path path = file.resolveSibling("my.db" + name);
+                try (SqliteStore store = open(file)) {
+                    keep(store, 25);
+                    store.write(new JournalRecord.Frame(26, new byte[20]));
+                    assertThat(store.troubles()).isEmpty();
+                    act.getValue().on(path);
+                    assertThat(store.troubles()).singleElement().asString()
+                            .startsWith(path + " " + act.getKey())
+                            .contains("The next image makes the store whole again");
+                    assertThat(store.troubles()).isEmpty();
+                    keep(store, 26);
+                    assertThat(store.troubles()).isEmpty();
+                    store.write(new JournalRecord.Frame(27, new byte[20]));
+                }
+                assertThat(read()).as(path + " " + act.getKey()).endsWith("image 26", "frame 27");
+                boolean isKept = name.isEmpty() && !act.getKey().equals("was removed");
+                assertThat(Files.exists(file.resolveSibling("my.db.replaced-1")))
+                        .isEqualTo(isKept);
+            }
+        }
+    }
+
+    private static void keep(SqliteStore store, long frame) throws IOException {
+        JournalSink.Place place = store.place();
+        try {
+            place.write(List.of(), image(frame));
+        } catch (JournalSink.BegunAnewException e) {
+            place.write(List.of(), image(frame));
+        }
+    }
+
     @Test
     void withoutAnyGoodImageTheStoreIsRefused() throws Exception {
         fill();
