@@ -63,7 +63,7 @@ public interface JournalSink extends AutoCloseable {
     final class BegunAnewException extends IOException {
         private static final long serialVersionUID = 1L;
 
-        BegunAnewException(String message) {
+        public BegunAnewException(String message) {
             super(message);
         }
     }

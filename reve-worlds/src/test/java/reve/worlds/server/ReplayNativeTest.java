@@ -298,6 +298,54 @@ class ReplayNativeTest {
         }
     }
 
+    @Test
+    void lostFilesAreToldAndAnImageThatBeginsAnewIsWrittenAtOnce() throws Exception {
+        List<List<JournalRecord>> kept = new ArrayList<>();
+        Queue<String> problems = new ConcurrentLinkedQueue<>();
+        var looked = new CountDownLatch(1);
+        try (Simulation simulation = new Simulation(description, Pacing.FAST);
+                Journal _ = simulation.journal(WORLD.getParent(), Map.of(),
+                        new Journal.Plan(20, true), losingItsFile(kept), problem -> {
+                            problems.add(problem);
+                            looked.countDown();
+                        })) {
+            looked.await(); // the world stands still meanwhile
+            assertThat(problems).containsExactly("my.db was removed");
+            problems.clear();
+            simulation.loop().run(50);
+        }
+        assertThat(problems).containsExactly(
+                "my.db was made anew; it goes on with the image of frame 40");
+        assertThat(kept.stream().flatMap(List::stream)
+                .filter(JournalRecord.Image.class::isInstance))
+                .extracting(record -> ((JournalRecord.Image) record).frame())
+                .containsExactly(0L, 20L, 40L, 50L);
+    }
+
+    /** Tells of a file once, and begins anew with its third image. */
+    private static JournalSink losingItsFile(List<List<JournalRecord>> kept) {
+        return new ListSink(kept) {
+            private int images;
+            private int looks;
+
+            @Override
+            public List<String> troubles() {
+                return looks++ == 0 ? List.of("my.db was removed") : List.of();
+            }
+
+            @Override
+            public Place place() {
+                Place place = super.place();
+                return (libraries, image) -> {
+                    if (++images == 3) {
+                        throw new BegunAnewException("my.db was made anew");
+                    }
+                    place.write(libraries, image);
+                };
+            }
+        };
+    }
+
     @ParameterizedTest
     @ValueSource(booleans = {true, false})
     void aWorldWhoseJournalHasEndedStopsAndSaysWhy(boolean waits) {
