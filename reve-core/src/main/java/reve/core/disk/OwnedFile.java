@@ -18,8 +18,9 @@ import java.util.Set;
 
 /**
  * A file that one process appends to: it is locked until it is closed or the process ends. Devices
- * are not locked; pipes are refused, because opening one waits for a reader. While it is open, this process must not open the file in another way,
- * because the system would release the lock when that other channel is closed. One thread.
+ * are not locked; pipes are refused, because opening one waits for a reader. While it is open, this
+ * process must not open the file in another way, because the system would release the lock when
+ * that other channel is closed. One thread.
  */
 public final class OwnedFile implements Closeable {
     private static final int TRIES = 5;

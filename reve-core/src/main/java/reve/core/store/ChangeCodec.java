@@ -179,10 +179,12 @@ public final class ChangeCodec {
                 double[] n = Trees.numbers(to);
                 item.physical().setOrientation(n[0], n[1], n[2], n[3]);
             }
-            case "shape" -> item.physical().setShape(texts.readShape(Trees.text("the field to", to)));
+            case "shape" -> item.physical().setShape(
+                    texts.readShape(Trees.text("the field to", to)));
             case "material" -> item.physical().setMaterial(to.isMissingNode() ? Optional.empty()
                     : Optional.of(texts.readMaterial(Trees.text("the field to", to))));
-            case "colour" -> item.physical().setColour(Colour.parse(Trees.text("the field to", to)));
+            case "colour" -> item.physical().setColour(
+                    Colour.parse(Trees.text("the field to", to)));
             default -> throw new CorruptException(
                     "the physical aspect has no " + property + " that could be set");
         }

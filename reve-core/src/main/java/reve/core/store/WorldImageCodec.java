@@ -153,7 +153,8 @@ public final class WorldImageCodec {
             if (place < 0 || place >= definitions.size()) {
                 throw new CorruptException("item " + id + " has no text");
             }
-            items.put(id, texts.read(id, Trees.text("a name", entry.path(1)), definitions.get(place))
+            String name = Trees.text("a name", entry.path(1));
+            items.put(id, texts.read(id, name, definitions.get(place))
                     .withGiven(Trees.values(entry.path(3))).attached(attachment(entry)));
         }
         for (JsonNode entry : Trees.list(tree, "derived")) {

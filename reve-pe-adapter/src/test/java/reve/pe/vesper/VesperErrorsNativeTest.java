@@ -3,8 +3,11 @@ package reve.pe.vesper;
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.catchThrowableOfType;
 
+import java.nio.ByteBuffer;
+import java.nio.channels.FileChannel;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import java.nio.file.StandardOpenOption;
 import java.util.ArrayList;
 import java.util.Arrays;
 import java.util.List;
@@ -124,6 +127,20 @@ class VesperErrorsNativeTest {
         PhysicsException e = refusal(() -> orbit.load("newton_motion", "rival_motion"));
         assertThat(e.status()).isEqualTo(Status.ACCESS_CONFLICT);
         assertThat(e).hasMessageContaining("rival_motion").hasMessageContaining("newton_motion");
+    }
+
+    /** A sparse file has any size, and would be read whole. */
+    @Test
+    void aLibraryThatIsTooLargeIsNotRead(@TempDir Path folder) throws Exception {
+        Path large = folder.resolve("large.so");
+        try (var channel = FileChannel.open(large, StandardOpenOption.CREATE,
+                StandardOpenOption.WRITE)) {
+            channel.write(ByteBuffer.allocate(1), 40L << 30);
+        }
+        assertThat(refusal(() -> orbit.load(large.toString())))
+            .returns(Status.LIBRARY_LOAD_FAILED, PhysicsException::status)
+            .hasMessageContaining(large + " has 42949672961 bytes, expected a law library of at "
+                + "most 268435456");
     }
 
     @Test
