@@ -106,10 +106,15 @@ public final class Trees {
                 ? shown.substring(0, SHOWN) + "..." : shown) + ", expected " + expected);
     }
 
+    /** The elements of a list; none if it is not there. */
+    public static List<JsonNode> listIfAny(JsonNode object, String name) {
+        return object.has(name) ? list(object, name) : List.of();
+    }
+
     static List<JsonNode> list(JsonNode object, String name) {
         JsonNode array = field(object, name);
         if (!array.isArray()) {
-            throw new CorruptException("the field " + name + " is no list");
+            throw other("the field " + name, array, "a list");
         }
         List<JsonNode> elements = new ArrayList<>(array.size());
         array.forEach(elements::add);

@@ -100,7 +100,7 @@ public final class FrameCodec {
     public static List<LawChange> laws(JsonNode frame,
             Function<String, byte @Nullable []> libraries) {
         List<LawChange> laws = new ArrayList<>();
-        frame.path("laws").forEach(change -> laws.add(switch (Trees.text(change, "law")) {
+        Trees.listIfAny(frame, "laws").forEach(change -> laws.add(switch (Trees.text(change, "law")) {
             case "loaded" -> new LawChange.Loaded(ImageCodec.library(change, libraries));
             case "unloaded" -> new LawChange.Unloaded((int) Trees.integer(change, "place"));
             case "arrested" -> new LawChange.Arrested(new ItemId(Trees.integer(change, "item")));

@@ -315,7 +315,7 @@ public final class Replay implements AutoCloseable {
 
     private void apply(String list) {
         if (codec != null) {
-            for (JsonNode change : input().path(list)) {
+            for (JsonNode change : Trees.listIfAny(input(), list)) {
                 codec.changes().apply(made().world(), change);
             }
         }
@@ -343,7 +343,7 @@ public final class Replay implements AutoCloseable {
     }
 
     private void followMembers(JsonNode frame) {
-        for (JsonNode event : frame.path("events")) {
+        for (JsonNode event : Trees.listIfAny(frame, "events")) {
             String type = Trees.text(event, "type");
             JsonNode fields = Trees.field(event, "fields");
             if (type.equals("joined") || type.equals("left")) {

@@ -153,6 +153,11 @@ class ReplayNativeTest {
                 "a number: found null, expected a number");
         refused(json -> json.replace("\"changes\"", "\"laws\":[{\"law\":\"unloaded\","
                 + "\"place\":7000}],\"changes\""), "it does not fit this world");
+        for (String field : List.of("changes", "laws", "late", "events")) {
+            refused(json -> json.replace("\"changes\"", "\"old\"").replace("\"digest\"",
+                    "\"" + field + "\":\"x\",\"digest\""),
+                    "the field " + field + ": found \"x\", expected a list");
+        }
         refused(json -> "[".repeat(200_000), "JSON is nested too deep, or a text or number of it "
                 + "is too long");
         refused(json -> "null", "the field frame is missing");
