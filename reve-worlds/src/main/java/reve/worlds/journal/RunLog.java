@@ -101,6 +101,7 @@ public final class RunLog {
         private final FileChannel channel;
         private final long maxBytes;
         private final Optional<FilePlace> place;
+        /** Bytes that the file has at least. */
         private volatile long written;
         private final Set<String> libraries = new HashSet<>();
         private boolean full;
@@ -132,8 +133,9 @@ public final class RunLog {
 
         private static FileChannel emptied(Path file) throws IOException {
             try {
+                // APPEND: a file that something cut stays shorter than what was written.
                 return FileChannel.open(file, StandardOpenOption.CREATE, StandardOpenOption.WRITE,
-                        StandardOpenOption.TRUNCATE_EXISTING);
+                        StandardOpenOption.APPEND).truncate(0);
             } catch (IOException e) {
                 throw FileTrouble.of(file, "written", e);
             }
@@ -157,6 +159,7 @@ public final class RunLog {
         void write(List<JournalRecord.Library> needed, JournalRecord.Image image)
                 throws IOException {
             long end = channel.position();
+            long writtenBefore = written;
             Set<String> before = Set.copyOf(libraries);
             try {
                 for (JournalRecord.Library library : needed) {
@@ -165,6 +168,7 @@ public final class RunLog {
                 write(image);
             } catch (IOException e) {
                 takeBack(end, e);
+                written = writtenBefore;
                 libraries.retainAll(before);
                 throw e;
             }
@@ -206,7 +210,7 @@ public final class RunLog {
                         + " bytes, expected at most " + MAX_BYTES);
             }
             long end = channel.position();
-            long after = end + bytes.remaining();
+            long after = written + bytes.remaining();
             full |= bytes.remaining() > maxBytes - end; // nothing may follow a gap
             if (full) {
                 throw new IOException(file + " has its limit of " + maxBytes + " bytes");
@@ -224,7 +228,6 @@ public final class RunLog {
 
         private void takeBack(long end, IOException after) {
             try {
-                written = end;
                 channel.truncate(end).position(end);
             } catch (IOException e) {
                 after.addSuppressed(e);
