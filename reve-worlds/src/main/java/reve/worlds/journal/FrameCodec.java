@@ -100,7 +100,8 @@ public final class FrameCodec {
     public static List<LawChange> laws(JsonNode frame,
             Function<String, byte @Nullable []> libraries) {
         List<LawChange> laws = new ArrayList<>();
-        Trees.listIfAny(frame, "laws").forEach(change -> laws.add(switch (Trees.text(change, "law")) {
+        List<JsonNode> changes = Trees.listIfAny(frame, "laws");
+        changes.forEach(change -> laws.add(switch (Trees.text(change, "law")) {
             case "loaded" -> new LawChange.Loaded(ImageCodec.library(change, libraries));
             case "unloaded" -> new LawChange.Unloaded((int) Trees.integer(change, "place"));
             case "arrested" -> new LawChange.Arrested(new ItemId(Trees.integer(change, "item")));
