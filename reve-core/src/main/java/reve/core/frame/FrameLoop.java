@@ -190,6 +190,11 @@ public final class FrameLoop {
         wake();
     }
 
+    /** True once {@link #stop()} was called. Any thread. */
+    public boolean isStopped() {
+        return stopped;
+    }
+
     /**
      * Keeps {@link #run} from making another frame, until it is resumed. Any thread.
      *

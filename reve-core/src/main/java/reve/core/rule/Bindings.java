@@ -20,7 +20,7 @@ public final class Bindings {
 
     Bindings(Scope scope) {
         this.scope = scope;
-        this.item = new ItemNames(scope.own());
+        this.item = new ItemNames(scope.own(), this::count);
     }
 
     /** From now on {@code physics}, {@code physical}, {@code semantic} and {@code item} are its. */
@@ -37,13 +37,16 @@ public final class Bindings {
 
     /** Another item by name: {@code actor.physics.mass}. */
     public Bindings withItem(String name, Item other) {
-        ItemNames names = new ItemNames(scope.other());
+        ItemNames names = new ItemNames(scope.other(), this::count);
         names.of(other);
         others.put(name, names.asMap());
         return this;
     }
 
-    /** Steps of all evaluations with these values, also of those that failed. */
+    /**
+     * Steps of all evaluations with these values, also of those that failed, and of finding the
+     * relations that they read.
+     */
     public long steps() {
         return steps;
     }

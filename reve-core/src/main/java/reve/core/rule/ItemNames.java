@@ -9,6 +9,7 @@ import java.util.Map;
 import java.util.Optional;
 import java.util.Set;
 import java.util.function.Function;
+import java.util.function.LongConsumer;
 import java.util.function.Supplier;
 import org.jspecify.annotations.Nullable;
 import reve.core.world.Item;
@@ -20,6 +21,7 @@ final class ItemNames {
     private static final String SYMBOL = KindNames.SEMANTIC + ".";
 
     private final KindNames kind;
+    private final LongConsumer steps;
     private @Nullable Item item;
     private final Map<String, Object> physics;
     private final Map<String, Object> physical;
@@ -28,8 +30,10 @@ final class ItemNames {
     /** The relations of the item that were worked out: a loop may ask for one in every round. */
     private final Map<String, Optional<Object>> relations = new HashMap<>();
 
-    ItemNames(KindNames kind) {
+    /** @param steps receives the steps that finding relations takes */
+    ItemNames(KindNames kind, LongConsumer steps) {
         this.kind = kind;
+        this.steps = steps;
         physics = new View(this::physicsNames, this::physics);
         physical = new View(() -> kind.physicalNames().keySet(), this::physical);
         semantic = new View(() -> required().semantic().symbols().keySet(), this::semantic);
@@ -104,9 +108,18 @@ final class ItemNames {
     private @Nullable Object semantic(String name) {
         Item present = required();
         Object value = (Relations.NAMES.contains(name)
-                ? relations.computeIfAbsent(name, relation -> present.semantic().get(relation))
+                ? relations.computeIfAbsent(name, relation -> related(present, relation))
                 : present.semantic().get(name)).orElse(null);
         return value instanceof Double number ? kind.toSi(name, number) : value;
+    }
+
+    /** Takes a step for each body that is compared and one for each name. */
+    private Optional<Object> related(Item present, String relation) {
+        Relations all = present.semantic().relations();
+        long before = all.compared();
+        Optional<List<String>> names = all.of(present.id(), relation);
+        steps.accept(all.compared() - before + names.map(List::size).orElse(0));
+        return names.map(list -> list);
     }
 
     private @Nullable Object self(String name) {

@@ -6,6 +6,7 @@ import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Objects;
+import java.util.function.BooleanSupplier;
 import org.jspecify.annotations.Nullable;
 import reve.core.unit.Unit;
 import reve.core.world.Column;
@@ -40,6 +41,8 @@ final class RuleKeeper {
     private long[] numbers = {};
     private @Nullable Object[] texts = {};
     private boolean told;
+    private boolean disabled;
+    private long steps;
     /** The item that the rule was evaluated for last. */
     private @Nullable Item current;
 
@@ -81,18 +84,49 @@ final class RuleKeeper {
         return true;
     }
 
-    /** Everything counts as changed; no item has the id 0. */
+    /** Everything counts as changed, and the rule is enabled; no item has the id 0. */
     void forget() {
+        disabled = false;
         Arrays.fill(ids, 0);
     }
 
-    void update(long frame) {
-        world.activity().begin(this);
-        try {
-            updateRows(frame);
-        } finally {
-            world.activity().end();
+    /**
+     * Evaluates the rule for the items that have changed. Ends early if the rule takes more than
+     * its steps, or if told to; the next update continues with the items that are left.
+     *
+     * @param most steps of this update; the evaluation that exceeds them is the last one
+     * @param ends whether to end early for another reason
+     * @return the steps taken
+     */
+    long update(long frame, long most, BooleanSupplier ends) {
+        steps = 0;
+        if (!disabled) {
+            world.activity().begin(this);
+            try {
+                updateRows(frame, most, ends);
+            } finally {
+                world.activity().end();
+            }
         }
+        return steps;
+    }
+
+    /** Returns the steps of the last update. */
+    long steps() {
+        return steps;
+    }
+
+    /**
+     * Removes the rule's symbol from all items, and gives it to none until {@link #forget}.
+     *
+     * @param why follows the rule's name in the message of the fault
+     */
+    void disable(long frame, String why) {
+        disabled = true;
+        for (int row = 0; row < table.rowCount(); row++) {
+            table.itemAt(row).semantic().derive(rule.symbol(), null);
+        }
+        raise(frame, "TooManySteps", "rule " + rule.symbol() + " " + why);
     }
 
     /** The rule and the item that it is evaluated for; safe on any thread. */
@@ -103,10 +137,14 @@ final class RuleKeeper {
                 + rule.expression() + "`";
     }
 
-    private void updateRows(long frame) {
+    private void updateRows(long frame, long most, BooleanSupplier ends) {
         int rows = rule.needsPhysics() ? table.physicsRowCount() : table.rowCount();
         makeRoom(rows);
         for (int row = 0; row < rows; row++) {
+            if (steps > most || ends.getAsBoolean()) {
+                return;
+            }
+            steps++;
             Item item = table.itemAt(row);
             if (hasChanged(row, item) || !listed) {
                 give(item, applies(item) ? evaluate(item, frame) : null, frame);
@@ -155,12 +193,15 @@ final class RuleKeeper {
 
     private @Nullable Object evaluate(Item item, long frame) {
         current = item;
+        long before = bindings.steps();
         try {
             Object value = rule.expression().evaluate(bindings.of(item));
             return value instanceof Double number ? number / unit.scale() : value;
         } catch (EvaluationException failed) {
             tell(item, frame, failed);
             return null;
+        } finally {
+            steps += bindings.steps() - before;
         }
     }
 
@@ -178,12 +219,16 @@ final class RuleKeeper {
             return;
         }
         told = true;
+        raise(frame, failed.getClass().getSimpleName(), item + " gets no " + rule.symbol() + ": "
+                + failed.getMessage() + " (told once; the same may hold for other items)");
+    }
+
+    private void raise(long frame, String error, String message) {
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("phase", "DERIVE");
         fields.put("source", "rule " + rule.symbol());
-        fields.put("error", failed.getClass().getSimpleName());
-        fields.put("message", item + " gets no " + rule.symbol() + ": " + failed.getMessage()
-                + " (told once; the same may hold for other items)");
+        fields.put("error", error);
+        fields.put("message", message);
         world.raise(new WorldEvent(frame, "fault", fields));
     }
 }

@@ -35,6 +35,7 @@ public final class Relations {
     private final TableView bodies;
     private final Space space;
     private final Function<ItemId, String> nameOf;
+    private long compared;
 
     /** @param nameOf names of items in the table */
     Relations(TableView bodies, Space space, Function<ItemId, String> nameOf) {
@@ -149,7 +150,9 @@ public final class Relations {
         var pair = new Pair(bodies, row);
         List<Other> others = new ArrayList<>();
         int meeting = 0;
-        for (ItemId id : space.inBox(pair.reach(relation))) {
+        List<ItemId> reached = space.inBox(pair.reach(relation));
+        compared += reached.size();
+        for (ItemId id : reached) {
             int other = bodies.rowOf(id);
             if (other >= 0 && other != row && shapes.getInt(other, 0) != Shape.NONE) {
                 pair.with(other);
@@ -164,6 +167,14 @@ public final class Relations {
         }
         others.sort(NEAREST);
         return Optional.of(others.stream().limit(MAX_ITEMS).map(Other::id).map(nameOf).toList());
+    }
+
+    /**
+     * Returns how many bodies were found within reach for all answers so far, which is what answers
+     * cost. The same number on every machine.
+     */
+    public long compared() {
+        return compared;
     }
 
     private static double diagonal(double[] low, double[] high) {

@@ -28,9 +28,14 @@ public final class SemanticAspect {
             return Optional.of(List.of(at[0], at[1], at[2]));
         }
         if (Relations.NAMES.contains(symbol)) {
-            return item.world().relations().of(item.id(), symbol).map(names -> names);
+            return relations().of(item.id(), symbol).map(names -> names);
         }
         return item.symbols().get(symbol);
+    }
+
+    /** How bodies of the item's world are to each other, as of the last DERIVE. */
+    public Relations relations() {
+        return item.world().relations();
     }
 
     /**

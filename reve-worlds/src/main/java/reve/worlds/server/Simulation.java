@@ -122,7 +122,7 @@ public final class Simulation implements AutoCloseable {
         commands.subscribeTo(bus);
         bus.subscribe(FramePhase.PHYSICS, "physics", physics);
         DerivedColumns.subscribeTo(bus);
-        rules.subscribeTo(bus);
+        rules.subscribeTo(bus, loop::isStopped);
         onPublish("snapshots", this::publish);
         onPublish("run events", events);
     }
