@@ -3,20 +3,30 @@ package reve.core.rule;
 import static org.assertj.core.api.Assertions.assertThat;
 import static org.assertj.core.api.Assertions.assertThatIllegalArgumentException;
 
+import java.util.ArrayList;
+import java.util.Collections;
 import java.util.HashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
+import java.util.concurrent.atomic.AtomicInteger;
+import java.util.stream.IntStream;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.Test;
 import reve.core.Seed;
+import reve.core.derive.BoundingBoxes;
+import reve.core.frame.FrameBus;
+import reve.core.frame.FrameLoop;
+import reve.core.frame.Pacing;
+import reve.core.frame.Timing;
 import reve.core.unit.Unit;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
 import reve.core.world.OffHeapArena;
 import reve.core.world.PropertyDescriptor;
 import reve.core.world.ScalarType;
+import reve.core.world.Shape;
 import reve.core.world.SymbolDescriptor;
 import reve.core.world.SymbolType;
 import reve.core.world.World;
@@ -28,6 +38,10 @@ class RulesTest {
                     Unit.parse("K"), Optional.empty(), "")))
             .withSymbols(List.of(new SymbolDescriptor("pace", SymbolType.NUMBER,
                     Unit.parse("km/h"), "")));
+
+    /** An expression of more than 100 steps. */
+    private static final String DEAR =
+            "[1,2,3,4,5].all(a,[1,2,3,4,5].all(b,physics.temperature > -1.0e9))";
 
     private final OffHeapArena arena = new OffHeapArena();
     private final World world = new World("test", PROTOTYPE, arena);
@@ -49,6 +63,23 @@ class RulesTest {
                     scope.compile(symbolsAndExpressions[2 * i + 1]), "");
         }
         return new Rules(world, List.of(rules));
+    }
+
+    private Rules sharing(long steps, String... symbolsAndExpressions) throws ExpressionException {
+        List<Rule> rules = new ArrayList<>();
+        for (int i = 0; i < symbolsAndExpressions.length; i += 2) {
+            rules.add(new Rule(symbolsAndExpressions[i], "body", Optional.empty(),
+                    Scope.ofItem(PROTOTYPE, "body").compile(symbolsAndExpressions[i + 1]), ""));
+        }
+        return new Rules(world, rules, steps);
+    }
+
+    private List<Item> bodies(int count) {
+        return IntStream.range(0, count).mapToObj(i -> body("b" + i, i)).toList();
+    }
+
+    private static List<Object> all(List<Item> items, String symbol) {
+        return items.stream().map(item -> of(item, symbol)).toList();
     }
 
     private static Object of(Item item, String symbol) {
@@ -177,6 +208,104 @@ class RulesTest {
             assertThatIllegalArgumentException().isThrownBy(() -> rules(symbol, "'x'"))
                     .withMessageContaining(symbol).withMessageContaining("standard");
         }
+    }
+
+    @Test
+    void costliestRuleIsDisabledWhenTheRulesOfAFrameTakeTooManySteps() throws Exception {
+        List<Item> items = bodies(10);
+        Rules rules = sharing(1000, "cheap", "physics.temperature >= 0.0",
+                "dear", DEAR, "last", "'x'");
+        items.forEach(item -> item.semantic().derive("dear", true));
+
+        rules.update(1);
+
+        assertThat(all(items, "cheap")).containsOnly(true);
+        assertThat(all(items, "dear")).containsOnly("none");
+        assertThat(all(items, "last")).containsOnly("none");
+        assertThat(world.events()).singleElement().satisfies(event -> {
+            assertThat(event.type()).isEqualTo("fault");
+            assertThat(event.fields()).containsEntry("source", "rule dear")
+                    .containsEntry("error", "TooManySteps");
+            assertThat(event.fields().get("message").toString()).contains("rule dear took 1,",
+                    "in frame 1", "at most 1,000", "disabled", "loop over less");
+        });
+        world.endFrame();
+        rules.update(2);
+        assertThat(all(items, "dear")).containsOnly("none");
+        assertThat(all(items, "last")).containsOnly("x");
+        assertThat(world.events()).isEmpty();
+    }
+
+    @Test
+    void itemsThatAreLeftKeepTheirSymbolsUntilTheNextFrame() throws Exception {
+        List<Item> items = bodies(10);
+        Rules rules = sharing(1300, "warm", "physics.temperature > 100.0", "dear",
+                "physics.temperature < 50.0 || " + DEAR, "after", "physics.temperature + 1.0");
+        rules.update(1);
+        List<Object> before = all(items, "after");
+
+        items.forEach(item -> item.physics().set("temperature", 200));
+        rules.update(2);
+        assertThat(all(items, "warm")).containsOnly(true);
+        assertThat(all(items, "dear")).containsOnly("none");
+        assertThat(all(items, "after")).isEqualTo(before).doesNotContain("none");
+        rules.update(3);
+        assertThat(all(items, "after")).containsOnly(201.0);
+    }
+
+    /** The last rule exceeds the budget; the first one took it. */
+    @Test
+    void ruleThatLeavesFewStepsIsDisabledAndNotTheOneThatExceedsTheBudget() throws Exception {
+        List<Item> items = bodies(10);
+        Rules rules = sharing(2000, "dear", DEAR, "cheap", "physics.temperature >= 0.0",
+                "other", "physics.temperature >= 0.0");
+        rules.update(1);
+        assertThat(world.events()).singleElement()
+                .satisfies(event -> assertThat(event.fields()).containsEntry("source",
+                        "rule dear"));
+        rules.update(2);
+        assertThat(all(items, "cheap")).containsOnly(true);
+        assertThat(all(items, "other")).containsOnly(true);
+    }
+
+    @Test
+    void disabledRuleIsEvaluatedAgainAfterTheWorldWasRestored() throws Exception {
+        List<Item> items = bodies(10);
+        Rules rules = sharing(1000, "dear", "physics.temperature < 0.0 || " + DEAR);
+        rules.update(1);
+        items.forEach(item -> item.physics().set("temperature", -1));
+        rules.update(2);
+        assertThat(all(items, "dear")).containsOnly("none");
+
+        rules.forget();
+        rules.update(3);
+
+        assertThat(all(items, "dear")).containsOnly(true);
+    }
+
+    @Test
+    void bodiesThatAreComparedForARelationCountAsSteps() throws Exception {
+        List<Item> items = IntStream.range(0, 100).mapToObj(i -> world.add(
+                ItemDefinition.named("s" + i).shape(Shape.sphere(1)).build())).toList();
+        new BoundingBoxes().update(world);
+
+        sharing(100 * 150, "first", "semantic.near[0]").update(1);
+        assertThat(all(items, "first")).doesNotContain("none");
+        sharing(100 * 130, "first", "semantic.near[0]").update(2);
+        assertThat(all(items, "first")).containsOnly("none");
+    }
+
+    @Test
+    void evaluationEndsEarlyOnceTheWorldIsStopped() throws Exception {
+        List<Item> items = bodies(10);
+        FrameBus bus = new FrameBus();
+        AtomicInteger asked = new AtomicInteger();
+        rules("warm", "physics.temperature >= 0.0").subscribeTo(bus,
+                () -> asked.incrementAndGet() > 4);
+
+        new FrameLoop(world, bus, Timing.DEFAULT, Pacing.FAST).run(0);
+
+        assertThat(Collections.frequency(all(items, "warm"), "none")).isEqualTo(7);
     }
 
     /** What is kept must be what a world without memory would give, whatever happened before. */
