@@ -3,12 +3,10 @@ package reve.worlds.server;
 import static org.assertj.core.api.Assertions.assertThat;
 
 import java.nio.charset.StandardCharsets;
-import java.nio.file.Path;
 import java.util.List;
 import java.util.stream.IntStream;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
-import reve.core.file.WorldDescription;
 import reve.core.file.WorldFile;
 import reve.core.frame.Pacing;
 import reve.core.world.WorldEvent;
@@ -39,9 +37,8 @@ class CostlyRulesNativeTest {
     }
 
     private static Simulation simulation(String text) throws Exception {
-        WorldDescription description = WorldFile.read(text.getBytes(StandardCharsets.UTF_8),
-                Path.of("w.yaml"));
-        return new Simulation(description, Pacing.FAST);
+        return new Simulation(WorldFile.parse("w", text.getBytes(StandardCharsets.UTF_8)),
+                Pacing.FAST);
     }
 
     private static List<WorldEvent> disabled(Simulation simulation) {
