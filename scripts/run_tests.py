@@ -95,7 +95,8 @@ class Plan:
         command = [os.environ["REVE_TEST_PYTHON"], "-m", "pytest", "-v", "--tb=short", "-p",
                    "no:cacheprovider", "--color=no",
                    f"--junitxml={self.reports}/python/pytest.xml",
-                   "-o", "junit_family=xunit1", f"--rootdir={tests}"]
+                   "-o", "junit_family=xunit1", "-o", f"pythonpath={tests.parent}",
+                   f"--rootdir={tests}"]
         if self.quick:
             command += ["-m", "not slow"]
         command += [tests / part for part in parts] or [tests]
