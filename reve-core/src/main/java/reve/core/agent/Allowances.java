@@ -84,6 +84,21 @@ final class Allowances {
         othersWait = realTime.get() > 0 || haveSeveralHomes(turns);
     }
 
+    /** Returns false if others wait that the agent has no allowance to delay. */
+    boolean mayReturn(Turn turn, Turn[] turns) {
+        return !turn.allowance().isSpent()
+                || realTime.get() == 0 && !hasStranger(turn.allowance(), turns);
+    }
+
+    private static boolean hasStranger(Allowance allowance, Turn[] turns) {
+        for (Turn turn : turns) {
+            if (turn.isHere() && !turn.allowance().isNeighbourOf(allowance)) {
+                return true;
+            }
+        }
+        return false;
+    }
+
     private static boolean haveSeveralHomes(Turn[] turns) {
         Turn first = null;
         for (Turn turn : turns) {

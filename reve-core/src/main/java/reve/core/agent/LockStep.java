@@ -150,7 +150,7 @@ final class LockStep implements FrameGate {
         boolean somebodyComes = coming.get() > 0;
         Turn[] all = turns;
         for (Turn turn : all) {
-            if (turn.takeBack(frame)) {
+            if (turn.isReturning() && turn.takeBack(frame, allowances.mayReturn(turn, all))) {
                 news.accept(turn.back());
             }
             if (somebodyComes) {

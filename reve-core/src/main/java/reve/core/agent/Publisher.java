@@ -1,11 +1,14 @@
 package reve.core.agent;
 
+import java.util.BitSet;
 import java.util.Collection;
+import java.util.HashMap;
 import java.util.LinkedHashMap;
 import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Queue;
+import java.util.Set;
 import java.util.concurrent.ConcurrentLinkedQueue;
 import java.util.concurrent.atomic.AtomicInteger;
 import reve.core.frame.FrameEvent;
@@ -23,6 +26,10 @@ final class Publisher {
     /** In so much time clients in real time are told of acts; those beyond they miss. */
     private static final long ACTS_NANOS = 5_000_000;
     private static final String ACTED = "acted";
+    /** What agents in lock-step cause by doing nothing. */
+    private static final Set<String> ABSENCES = Set.of("late", "away", "back");
+    /** Most events of {@link #ABSENCES} in one frame that a client is sent about other agents. */
+    static final int MAX_ABSENCES = 8;
 
     private final WorldPort port;
     private final RateLimitedLog log;
@@ -211,31 +218,57 @@ final class Publisher {
         }
         audience.locate(members.values(), observatory);
         long end = System.nanoTime() + ACTS_NANOS;
-        long missed = 0;
-        long firstMissed = 0;
-        long lastMissed = 0;
+        var acts = new Gap();
+        var absences = new Gap();
+        var own = new HashMap<Session, Integer>();
         for (Happened next = events.peek(); next != null && next.frame <= served;
                 next = events.peek()) {
             events.remove();
             eventFrames.decrementAndGet();
+            int absent = 0;
             for (WorldEvent event : next.events) {
                 if (event.type().equals(ACTED)
-                        && (missed > 0 || System.nanoTime() - end > 0)) {
+                        && (acts.count > 0 || System.nanoTime() - end > 0)) {
                     tell(event, false);
-                    firstMissed = missed == 0 ? next.frame : firstMissed;
-                    lastMissed = next.frame;
-                    missed++;
+                    acts.add(next.frame);
+                } else if (isAbsence(event)
+                        && (absent++ >= MAX_ABSENCES || System.nanoTime() - end > 0)) {
+                    tellAgent(event).ifPresent(agent -> own.merge(agent, 1, Integer::sum));
+                    absences.add(next.frame);
                 } else {
                     tell(event, true);
                 }
             }
         }
-        if (missed > 0) {
+        if (acts.count + absences.count > 0) {
             for (Session member : members.values()) {
-                if (!member.isInLockStep()) {
-                    member.miss(missed, firstMissed, lastMissed);
+                Gap gap = member.isInLockStep() ? absences : acts.with(absences);
+                long count = gap.count - own.getOrDefault(member, 0);
+                if (count > 0) {
+                    member.miss(count, gap.first, gap.last);
                 }
             }
+        }
+    }
+
+    /** Events that clients miss, and the frames that they are of. */
+    private static final class Gap {
+        private long count;
+        private long first = Long.MAX_VALUE;
+        private long last;
+
+        void add(long frame) {
+            count++;
+            first = Math.min(first, frame);
+            last = Math.max(last, frame);
+        }
+
+        Gap with(Gap other) {
+            var both = new Gap();
+            both.count = count + other.count;
+            both.first = Math.min(first, other.first);
+            both.last = Math.max(last, other.last);
+            return both;
         }
     }
 
@@ -261,15 +294,38 @@ final class Publisher {
         tell(audience.of(mentions, observatory), all, mentions, heard);
     }
 
+    /** World files may raise events of these types, too, with other fields. */
+    private static boolean isAbsence(WorldEvent event) {
+        return ABSENCES.contains(event.type()) && event.fields().containsKey(Mentions.AGENT)
+                && event.fields().containsKey("body");
+    }
+
+    /** Sends an event to the agent that it is about. @return the agent, if it was sent */
+    private Optional<Session> tellAgent(WorldEvent event) {
+        Session agent = members.get(String.valueOf(event.fields().get(Mentions.AGENT)));
+        if (agent == null) {
+            return Optional.empty();
+        }
+        Mentions mentions = Mentions.in(event, observatory, this::bodyOf);
+        return tell(agent, mentions, new HeardEvent(event)) ? Optional.of(agent)
+                : Optional.empty();
+    }
+
     private void tell(Collection<Session> hearers, boolean all, Mentions mentions,
             HeardEvent heard) {
         for (Session member : hearers) {
             if (!all && !member.isInLockStep()) {
                 continue;
             }
-            member.hear(heard.event(), mentions, observatory).ifPresent(told ->
-                    member.tell(heard.with(told, member.encoding())));
+            tell(member, mentions, heard);
         }
+    }
+
+    /** @return false if it does not sense what the event is about */
+    private boolean tell(Session member, Mentions mentions, HeardEvent heard) {
+        Optional<BitSet> fields = member.hear(heard.event(), mentions, observatory);
+        fields.ifPresent(told -> member.tell(heard.with(told, member.encoding())));
+        return fields.isPresent();
     }
 
     private Optional<String> bodyOf(String agent) {

@@ -176,13 +176,23 @@ final class Turn {
         giveUpNone();
     }
 
+    /** Whether the agent was ready, or has another connection, after the world went on without. */
+    boolean isReturning() {
+        return presence.get() == Presence.RETURNING;
+    }
+
     /**
      * Lets an agent that is returning take part again from that frame on, which has not been begun.
      *
+     * @param granted false if an agent that is away stays away, until it is ready another time
      * @return true if the others were told that it was away
      */
-    boolean takeBack(long frame) {
-        if (presence.get() != Presence.RETURNING) {
+    boolean takeBack(long frame, boolean granted) {
+        if (!isReturning()) {
+            return false;
+        }
+        if (away && !granted) {
+            presence.compareAndSet(Presence.RETURNING, Presence.AWAY);
             return false;
         }
         boolean wasAway = away;

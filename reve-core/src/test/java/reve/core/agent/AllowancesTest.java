@@ -26,6 +26,7 @@ class AllowancesTest {
 
     private final List<AgentInput.Late> late = new ArrayList<>();
     private final List<Boolean> spent = new ArrayList<>();
+    private int backs;
     private final List<Player> players = new ArrayList<>();
     private Allowances allowances = allowances(Optional.of(Duration.ofSeconds(10)));
     private LockStep gate = gate();
@@ -72,9 +73,9 @@ class AllowancesTest {
             readyNanos = time == NEVER ? NEVER : now + time;
         }
 
-        /** A frame has begun; who is about to leave still is. */
+        /** A frame has begun; who is about to leave still is, and who is away thinks on. */
         void perceive() {
-            if (!thinking.leaves() || readyNanos == NEVER) {
+            if (!thinking.leaves() && turn.isHere() || readyNanos == NEVER) {
                 think();
             }
         }
@@ -98,6 +99,8 @@ class AllowancesTest {
         return new LockStep(() -> { }, news -> {
             if (news instanceof AgentInput.Late missed) {
                 late.add(missed);
+            } else {
+                backs++;
             }
         }, allowances, LockStep.Waiting.IDLE);
     }
@@ -261,6 +264,38 @@ class AllowancesTest {
         run(12 * SECOND);
         assertThat(run(LONG)).isGreaterThanOrEqualTo(50);
         assertThat(spent.size()).as("changes in an hour").isBetween(20, 150);
+    }
+
+    @Test
+    void whoIsAwayComesBackOnlyWhenTheAllowanceHasReturned() {
+        allowances.addRealTime(1);
+        for (int i = 0; i < 20; i++) {
+            join(each(2 * FRAME + MILLISECOND));
+        }
+        run(60 * SECOND);
+        assertThat(spent).first().isEqualTo(true);
+        late.clear();
+        assertThat(run(LONG)).as("frames a second").isGreaterThan(50);
+        long returns = spent.stream().filter(isSpent -> !isSpent).count();
+        assertThat(returns).isPositive();
+        assertThat(backs).as("returns of 20 agents").isBetween(20, (int) (20 * returns));
+        assertThat(late.stream().filter(AgentInput.Late::told).count())
+                .as("rounds that the world waited for in vain")
+                .isLessThanOrEqualTo(4 * 20 * returns);
+    }
+
+    @Test
+    void whoIsAwayComesBackAtOnceWhereNobodyElseWaits() {
+        allowances.addRealTime(1);
+        join(() -> now < 20 * SECOND ? DEADLINE / 2 : MILLISECOND);
+        run(20 * SECOND);
+        assertThat(isSpent()).isTrue();
+        assertThat(late).last().matches(each -> !each.told(), "it is away");
+        assertThat(backs).isZero();
+        allowances.addRealTime(-1);
+        run(2 * SECOND);
+        assertThat(isSpent()).isTrue();
+        assertThat(backs).isEqualTo(1);
     }
 
     private boolean isSpent() {

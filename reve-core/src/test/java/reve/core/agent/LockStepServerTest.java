@@ -4,7 +4,10 @@ import static org.assertj.core.api.Assertions.assertThat;
 
 import java.io.IOException;
 import java.time.Duration;
+import java.util.ArrayList;
+import java.util.HashMap;
 import java.util.List;
+import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
 import java.util.concurrent.CopyOnWriteArrayList;
@@ -279,6 +282,58 @@ class LockStepServerTest {
             }
             assertThat(ada.skipTo("event").at("/fields/count").longValue()).isEqualTo(2);
         }
+    }
+
+    @Test
+    void ofManyThatAreLateInOneFrameEachHearsOfItselfAndOfAFewOthers() throws IOException {
+        int many = 3 * Publisher.MAX_ABSENCES;
+        var agents = new ArrayList<TestClient>();
+        try (TestClient eye = room.connect()) {
+            for (int i = 0; i < many; i++) {
+                agents.add(room.connect().say(HELLO.formatted("a" + (10 + i), ",'deadline':0.02"))
+                        .sync());
+            }
+            room.step();
+            eye.say("{'t':'hello','protocol':1,'name':'eye','role':'observer'}").expect("welcome");
+            run();
+            Map<String, Integer> seen = absences(eye, many);
+            assertThat(seen.get("")).as("late and away, of which some are missed")
+                    .isEqualTo(4 * many);
+            assertThat(seen.get("told")).isLessThanOrEqualTo(3 * Publisher.MAX_ABSENCES);
+            for (int i = 0; i < many; i++) {
+                Map<String, Integer> heard = absences(agents.get(i), many);
+                assertThat(heard.get("a" + (10 + i))).as("of itself").isEqualTo(4);
+                assertThat(heard.get("")).isEqualTo(4 * many);
+                assertThat(heard.get("told"))
+                        .isLessThanOrEqualTo(3 * (Publisher.MAX_ABSENCES + 1) + 1);
+            }
+        } finally {
+            for (TestClient agent : agents) {
+                agent.close();
+            }
+        }
+    }
+
+    /**
+     * Counts what a client hears of agents that are late three times and then away: by agent, all
+     * of them under "told", with those that it missed under "".
+     */
+    private static Map<String, Integer> absences(TestClient client, int agents)
+            throws IOException {
+        var counts = new HashMap<String, Integer>(Map.of("", 0, "told", 0));
+        while (counts.get("") < 4 * agents) {
+            JsonNode event = client.skipTo("event");
+            String type = event.get("type").stringValue();
+            if (type.equals("missed")) {
+                counts.merge("", event.at("/fields/events").intValue(), Integer::sum);
+            } else if (!type.equals("joined")) {
+                assertThat(type).isIn("late", "away");
+                counts.merge("", 1, Integer::sum);
+                counts.merge("told", 1, Integer::sum);
+                counts.merge(event.at("/fields/agent").stringValue(), 1, Integer::sum);
+            }
+        }
+        return counts;
     }
 
     @Test

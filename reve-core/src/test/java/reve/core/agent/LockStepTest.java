@@ -346,7 +346,7 @@ class LockStepTest {
             }
             assertThat(turn.late().away()).isEqualTo(frame == 3);
         }
-        assertThat(turn.takeBack(4)).as("it is back at once").isTrue();
+        assertThat(turn.takeBack(4, true)).as("it is back at once").isTrue();
         assertThat(turn.isAwaited(4)).isTrue();
     }
 
