@@ -192,14 +192,15 @@ class Client:
     def events(self) -> List[Event]:
         """What happened since the last call, oldest first; the last 1,024 events are kept.
 
-        An event `missed` stands for those that the server did not send, as we read too slowly.
+        An event `missed` stands for those that the server did not send, as we read too slowly or
+        others caused too many at once.
         """
         with self._changed:
             return self._talk.events()
 
     @property
     def missed_events(self) -> int:
-        """How many events the server did not send, as we read too slowly. At least: of what
+        """How many events the server did not send, see `missed` above. At least: of what
         happened while a connection was broken it may not know how many, and counts one.
         """
         return self._talk.missed_events

@@ -269,7 +269,8 @@ class Conversation:
         """The server did not send the events of some frames, up to that of the gap."""
         if self.missed_events == 0:
             _LOG.warning(
-                "%s reads too slowly, and misses events from frame %d to %d; from now on only its "
+                "%s misses events from frame %d to %d, as it reads too slowly or others cause too "
+                "many at once; from now on only its "
                 "missed_events counts them",
                 self.welcome.agent, gap.fields["first"], gap.frame,
             )

@@ -34,7 +34,7 @@ class MissedEventsTest(unittest.TestCase):
             for event in (said(3), missed(4, 9, events=12), said(10), missed(11, 12, events=1)):
                 self.talk.take(event)
         self.assertEqual(1, len(log.output), log.output)
-        self.assertIn("ada reads too slowly, and misses events from frame 4 to 9", log.output[0])
+        self.assertIn("ada misses events from frame 4 to 9, as it reads too slowly", log.output[0])
         self.assertEqual(13, self.talk.missed_events)
         self.assertEqual(
             ["said", "missed", "said", "missed"], [event.type for event in self.talk.events()]

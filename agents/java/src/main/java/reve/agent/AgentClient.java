@@ -257,7 +257,7 @@ public final class AgentClient implements AutoCloseable {
     }
 
     /**
-     * How many events the server did not send, as this client reads too slowly. At least: of what
+     * How many events the server did not send, see {@link WorldEvent#MISSED}. At least: of what
      * happened while a connection was broken it may not know how many, and counts one.
      */
     public synchronized long missedEvents() {

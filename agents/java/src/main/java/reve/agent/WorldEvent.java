@@ -12,8 +12,8 @@ public record WorldEvent(long frame, String type, Map<String, Object> fields)
 
     /**
      * The type of an event that stands for others: those of the frames {@code first} to {@code
-     * last}, which the server did not send, as the client reads too slowly; {@code events} are how
-     * many, if the server knows.
+     * last}, which the server did not send, as the client reads too slowly or others caused too
+     * many at once; {@code events} are how many, if the server knows.
      */
     public static final String MISSED = "missed";
 }
