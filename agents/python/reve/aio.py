@@ -13,7 +13,7 @@ from typing import AsyncIterator, Awaitable, Callable, List, Optional, Tuple, Ty
 
 from . import protocol
 from .commands import Commands
-from .conversation import Conversation
+from .conversation import RETRIED, Conversation
 from .errors import Disconnected, ProtocolError, ReveError
 from .protocol import (
     Act,
@@ -270,7 +270,7 @@ class Client:
             try:
                 self._wire, _ = await self._open(greeting)
             except (ReveError, OSError) as error:
-                if isinstance(error, ReveError) and error.code != "lost":
+                if isinstance(error, ReveError) and error.code not in RETRIED:
                     self._finish(error)
                     return False
                 await asyncio.sleep(_RETRY_SECONDS)

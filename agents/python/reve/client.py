@@ -13,7 +13,7 @@ from typing import (
 
 from . import protocol
 from .commands import Commands
-from .conversation import Conversation
+from .conversation import RETRIED, Conversation
 from .errors import Disconnected, ProtocolError, ReveError
 from .protocol import (
     Act,
@@ -312,7 +312,7 @@ class Client:
             try:
                 connection, stream, _ = self._open(greeting)
             except (ReveError, OSError) as error:
-                if isinstance(error, ReveError) and error.code != "lost":
+                if isinstance(error, ReveError) and error.code not in RETRIED:
                     self._finish(error)
                     return False
                 with self._changed:

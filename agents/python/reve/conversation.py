@@ -29,6 +29,8 @@ from .protocol import (
 )
 
 _EVENTS_KEPT = 1024
+# Codes of a refused `resume` that a client repeats during its time of grace.
+RETRIED = ("lost", "resumed-too-often")
 _LOG = logging.getLogger("reve")
 
 _T = TypeVar("_T")

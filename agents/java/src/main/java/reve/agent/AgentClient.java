@@ -32,6 +32,8 @@ public final class AgentClient implements AutoCloseable {
     public static final int MAX_EVENTS = 1024;
 
     private static final Duration RETRY = Duration.ofMillis(200);
+    /** Code of a refused resume that may be repeated later. */
+    private static final String TOO_OFTEN = "resumed-too-often";
 
     private final InetSocketAddress address;
     private final Duration patience;
@@ -410,7 +412,7 @@ public final class AgentClient implements AutoCloseable {
      * Goes on over another connection, until the time of grace is over.
      *
      * @return true if that worked
-     * @throws AgentException if the server refuses
+     * @throws AgentException if the server refuses for good
      */
     private boolean resume() {
         if (welcome.session().isEmpty()) {
@@ -430,6 +432,11 @@ public final class AgentClient implements AutoCloseable {
                 goOn(Wire.open(address, greeting).wire());
                 return true;
             } catch (IOException e) {
+                pause();
+            } catch (AgentException e) {
+                if (!e.code().equals(TOO_OFTEN)) {
+                    throw e;
+                }
                 pause();
             }
         }

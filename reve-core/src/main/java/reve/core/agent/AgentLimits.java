@@ -14,12 +14,15 @@ package reve.core.agent;
  * @param outboxBytes and most bytes of them
  * @param maxErrors refused messages after which a connection ends
  * @param kept most sessions without a token that wait for their client to come back
+ * @param resumes most resumes of one session at once; then {@value Resumes#PER_SECOND} a
+ *     second
  */
 public record AgentLimits(int maxConnections, int helloBytes, int lineBytes, int messagesPerSecond,
-        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors, int kept) {
+        int actsInFlight, int outboxMessages, int outboxBytes, int maxErrors, int kept,
+        int resumes) {
 
     public static final AgentLimits PROTOCOL =
-            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16);
+            new AgentLimits(4096, 8 * 1024, 64 * 1024, 4096, 64, 1024, 1024 * 1024, 8, 16, 8);
 
     /** @throws IllegalArgumentException if one is not positive */
     public AgentLimits {
@@ -32,6 +35,7 @@ public record AgentLimits(int maxConnections, int helloBytes, int lineBytes, int
         requirePositive("outboxBytes", outboxBytes);
         requirePositive("maxErrors", maxErrors);
         requirePositive("kept", kept);
+        requirePositive("resumes", resumes);
     }
 
     private static void requirePositive(String name, int value) {

@@ -116,6 +116,19 @@ final class Connection implements EventLoop.Handler {
         }
     }
 
+    /**
+     * Ends as another connection has taken its place: what waits is discarded, and the bye is
+     * written if it would not be in the middle of a message. The event loop's thread.
+     */
+    synchronized void replace(Ending why) {
+        if (leave(why)) {
+            outbox.abandon(why.bye().in(encoding));
+            if (isStuck()) {
+                close();
+            }
+        }
+    }
+
     /** @return false if it has ended before */
     private synchronized boolean leave(Ending why) {
         if (hasEnded()) {
@@ -425,8 +438,12 @@ final class Connection implements EventLoop.Handler {
     /** Writes what waits, as far as the socket takes it. */
     void write(Pen pen) {
         try {
-            if (wire.isOpen() && !shut && writeAll(pen) && outbox.isDone()) {
-                shut();
+            if (wire.isOpen() && !shut) {
+                if (!writeAll(pen)) {
+                    server.slowReaders().count(this, unsent.remaining() + outbox.bytes());
+                } else if (outbox.isDone()) {
+                    shut();
+                }
             }
         } catch (IOException e) {
             closeSoon();

@@ -17,25 +17,30 @@ final class EventLog {
 
     private final long maxNanos;
     private final int maxBytes;
-    private final Deque<Told> told = new ArrayDeque<>();
+    private final Deque<Kept> kept = new ArrayDeque<>();
     private int bytes;
     private long lastForgotten = -1;
 
-    private record Told(ServerMessage.Event event, int bytes, long nanos) {}
+    private record Kept(HeardEvent.Told event, long nanos) {
+
+        long frame() {
+            return event.message().frame();
+        }
+    }
 
     EventLog(long maxNanos, int maxBytes) {
         this.maxNanos = maxNanos;
         this.maxBytes = maxBytes;
     }
 
-    /** @param size of the event as it was told [bytes] */
-    void add(ServerMessage.Event event, int size, long nowNanos) {
-        told.addLast(new Told(event, size, nowNanos));
-        bytes += size;
-        while (bytes > maxBytes || nowNanos - told.getFirst().nanos > maxNanos) {
-            Told oldest = told.removeFirst();
-            bytes -= oldest.bytes;
-            forget(oldest.event.frame());
+    /** Keeps an event as it was sent; its bytes are shared with all who were sent it. */
+    void add(HeardEvent.Told event, long nowNanos) {
+        kept.addLast(new Kept(event, nowNanos));
+        bytes += event.bytes().length;
+        while (bytes > maxBytes || nowNanos - kept.getFirst().nanos > maxNanos) {
+            Kept oldest = kept.removeFirst();
+            bytes -= oldest.event.bytes().length;
+            forget(oldest.frame());
         }
     }
 
@@ -45,17 +50,24 @@ final class EventLog {
     }
 
     /**
-     * What happened after a frame, in order. If some of it is forgotten, an event {@code missed} is
-     * the first, and what is left of the forgotten frames is not among the others.
+     * What happened after a frame, in order; nothing is encoded or copied. If some of it is
+     * forgotten, an event {@code missed} is the first, and what is left of the forgotten frames is
+     * not among the others.
+     *
+     * @param encoding of that event
      */
-    List<ServerMessage.Event> after(long frame) {
-        var events = new ArrayList<ServerMessage.Event>();
+    List<HeardEvent.Told> after(long frame, Encoding encoding) {
+        var events = new ArrayList<HeardEvent.Told>();
         if (lastForgotten > frame) {
-            events.add(ServerMessage.Event.missed(OptionalLong.empty(), frame + 1, lastForgotten));
+            events.add(HeardEvent.Told.of(ServerMessage.Event.missed(OptionalLong.empty(),
+                    frame + 1, lastForgotten), encoding));
         }
-        told.stream().map(Told::event)
-                .filter(event -> event.frame() > Math.max(frame, lastForgotten))
-                .forEach(events::add);
+        long last = Math.max(frame, lastForgotten);
+        for (Kept each : kept) {
+            if (each.frame() > last) {
+                events.add(each.event);
+            }
+        }
         return events;
     }
 }

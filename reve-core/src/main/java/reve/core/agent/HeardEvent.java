@@ -17,8 +17,21 @@ final class HeardEvent {
 
     private record Hearing(BitSet fields, Encoding encoding) {}
 
-    /** @param bytes the message as it goes over the wire; never changed */
-    record Told(ServerMessage.Event message, byte[] bytes) {}
+    /**
+     * @param bytes the message as it goes over the wire; never changed
+     * @param encoding of the bytes
+     */
+    record Told(ServerMessage.Event message, byte[] bytes, Encoding encoding) {
+
+        static Told of(ServerMessage.Event message, Encoding encoding) {
+            return new Told(message, message.in(encoding), encoding);
+        }
+
+        /** Returns the message as bytes, which are shared if they are in that encoding. */
+        byte[] in(Encoding wanted) {
+            return wanted == encoding ? bytes : message.in(wanted);
+        }
+    }
 
     HeardEvent(WorldEvent event) {
         this.event = event;
@@ -41,7 +54,7 @@ final class HeardEvent {
                 fields.put(field.getKey(), field.getValue());
             }
         }
-        var message = new ServerMessage.Event(event.frame(), event.type(), fields);
-        return new Told(message, message.in(hearing.encoding));
+        return Told.of(new ServerMessage.Event(event.frame(), event.type(), fields),
+                hearing.encoding);
     }
 }

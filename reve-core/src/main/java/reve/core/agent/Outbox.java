@@ -30,11 +30,22 @@ final class Outbox {
      */
     record Perception(long id, View view, @Nullable View before) implements Waiting {}
 
+    /** Memory of an event in the queue, without what it shares [bytes]. */
+    private static final int EVENT_BYTES = 64;
+    /** Memory of a shared event in a list [bytes]. */
+    private static final int REFERENCE_BYTES = 8;
+
     private final int maxMessages;
     private final int maxBytes;
     private final Runnable filled;
-    /** What happened while a returning client was away; it may be more than may pile up. */
-    private final Deque<Message> history = new ArrayDeque<>();
+    /**
+     * What happened while a returning client was away, shared with others and encoded when it is
+     * written; it may be more than may pile up.
+     */
+    private List<HeardEvent.Told> history = List.of();
+    private int historyWritten;
+    private Encoding historyEncoding = Encoding.JSON;
+    private byte @Nullable [] welcome;
     private final Deque<Waiting> messages = new ArrayDeque<>();
     private final Load answers = new Load();
     private final Load events = new Load();
@@ -59,6 +70,11 @@ final class Outbox {
             count += times;
             bytes += times * line.length;
         }
+
+        void clear() {
+            count = 0;
+            bytes = 0;
+        }
     }
 
     /** @param filled told, with this held, whenever there is something to write */
@@ -68,11 +84,34 @@ final class Outbox {
         this.filled = filled;
     }
 
-    /** What a client is told first that goes on with its session. Nothing of it is left out. */
-    synchronized void begin(List<byte[]> lines) {
+    /**
+     * Begins with the welcome of a client that goes on with its session, and with what happened
+     * meanwhile. Nothing of it is left out.
+     */
+    synchronized void begin(byte[] line, List<HeardEvent.Told> happened, Encoding encoding) {
         if (!finished) {
-            lines.forEach(line -> history.addLast(new Message(line, false)));
+            welcome = line;
+            history = happened;
+            historyEncoding = encoding;
             filled.run();
+        }
+    }
+
+    /** Discards what waits and takes nothing more; only this line is still written. */
+    synchronized void abandon(byte[] lastLine) {
+        if (!finished) {
+            finished = true;
+            welcome = null;
+            history = List.of();
+            historyWritten = 0;
+            messages.clear();
+            answers.clear();
+            events.clear();
+            missed = 0;
+            answer = null;
+            latest = null;
+            told = null;
+            add(lastLine, false);
         }
     }
 
@@ -189,8 +228,18 @@ final class Outbox {
 
     /** Takes what is to be written next; null if nothing waits. */
     synchronized @Nullable Waiting poll() {
-        if (!history.isEmpty()) {
-            return history.removeFirst();
+        if (welcome != null) {
+            var first = new Message(welcome, false);
+            welcome = null;
+            return first;
+        }
+        if (historyWritten < history.size()) {
+            var next = new Message(history.get(historyWritten++).in(historyEncoding), false);
+            if (historyWritten == history.size()) {
+                history = List.of();
+                historyWritten = 0;
+            }
+            return next;
         }
         Waiting next = messages.pollFirst();
         if (next instanceof Message message) {
@@ -215,7 +264,17 @@ final class Outbox {
     }
 
     synchronized boolean isEmpty() {
-        return history.isEmpty() && messages.isEmpty() && answer == null && latest == null;
+        return welcome == null && history.isEmpty() && messages.isEmpty() && answer == null
+                && latest == null;
+    }
+
+    /**
+     * Returns how many bytes of memory what waits takes, besides perceptions. The bytes of events
+     * are shared by all who are sent them, so an event counts for its place in the queue.
+     */
+    synchronized int bytes() {
+        return answers.bytes + EVENT_BYTES * events.count
+                + REFERENCE_BYTES * (history.size() - historyWritten);
     }
 
     private void add(byte[] line, boolean isEvent) {

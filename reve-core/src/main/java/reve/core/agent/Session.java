@@ -2,7 +2,6 @@ package reve.core.agent;
 
 import java.nio.charset.StandardCharsets;
 import java.security.MessageDigest;
-import java.util.ArrayList;
 import java.util.BitSet;
 import java.util.Optional;
 import java.util.Set;
@@ -44,6 +43,7 @@ final class Session implements PerceptionShares.Client {
     // Guarded by this.
     private final CommandLog commands = new CommandLog();
     private final EventLog events;
+    private final Resumes resumes;
     private Optional<String> body = Optional.empty();
     private int inFlight;
     private boolean welcomed;
@@ -75,6 +75,7 @@ final class Session implements PerceptionShares.Client {
         this.secret = AgentToken.newSecret();
         this.events = new EventLog((long) (graceSeconds * 1e9) + 2 * timeouts.idle().toNanos(),
                 EventLog.MAX_BYTES);
+        this.resumes = new Resumes(limits.resumes(), System.nanoTime());
         this.perceptionCost = world.publisher().shares().cost(token);
         this.looks = new Looks(world, server.log(), toString(), this::show);
         this.connection = connection;
@@ -280,13 +281,12 @@ final class Session implements PerceptionShares.Client {
         if (event.message().frame() < joinedInFrame) {
             return;
         }
-        byte[] encoded = event.bytes();
         if (graceSeconds > 0) {
             synchronized (this) {
-                events.add(event.message(), encoded.length, System.nanoTime());
+                events.add(event, System.nanoTime());
             }
         }
-        offerEvent(encoded, event.message().frame());
+        offerEvent(event.bytes(), event.message().frame());
     }
 
     /** A command has its result. */
@@ -457,10 +457,20 @@ final class Session implements PerceptionShares.Client {
 
     // ---- the connection ----
 
-    /** Goes on over another connection, with the events since the last frame that it has seen. */
-    void resume(Connection next, long frameSeen) {
+    /**
+     * Goes on over another connection, with the events since the last frame that it has seen.
+     *
+     * @throws Ending if it was resumed too often
+     */
+    void resume(Connection next, long frameSeen) throws Ending {
         Connection previous;
         synchronized (this) {
+            if (!resumes.take(System.nanoTime())) {
+                throw Ending.refused("resumed-too-often", "the session of " + Text.quote(name)
+                        + " was resumed " + limits.resumes() + " times at short intervals; it may"
+                        + " be resumed " + Resumes.PER_SECOND + " times a second",
+                        "try again in " + 1.0 / Resumes.PER_SECOND + " s");
+            }
             previous = connection;
             connection = next;
             server.keepNoLonger(this);
@@ -470,16 +480,16 @@ final class Session implements PerceptionShares.Client {
             if (turn != null) {
                 turn.comeBack();
             }
-            var lines = new ArrayList<byte[]>();
-            lines.add(world.welcome(this, hello, world.publisher().published(), true).in(encoding));
-            events.after(frameSeen).forEach(event -> lines.add(event.in(encoding)));
+            next.outbox().begin(
+                    world.welcome(this, hello, world.publisher().published(), true).in(encoding),
+                    events.after(frameSeen, encoding), encoding);
             world.hurry(turn, world.publisher().published())
-                    .ifPresent(event -> lines.add(event.in(encoding)));
-            next.outbox().begin(lines);
+                    .ifPresent(event -> next.outbox().offer(event.in(encoding)));
         }
         world.lockStep().changed();
         if (previous != null) {
-            previous.end(Ending.regular("resumed", "another connection goes on with this session"));
+            previous.replace(
+                    Ending.regular("resumed", "another connection goes on with this session"));
         }
         server.log().info(this + " is back");
     }

@@ -6,8 +6,9 @@ import java.util.List;
 import java.util.Map;
 
 /**
- * The connections whose sockets do not take what is written to them, and how much of the heap that
- * takes: where it is too much, those are cut that have been slow for the longest. Any thread.
+ * The connections whose sockets do not take what is written to them, and how much of the heap is
+ * taken by what waits for them: where it is too much, those are cut that have been slow for the
+ * longest. Any thread.
  *
  * @param <C> a connection
  */
@@ -38,6 +39,16 @@ final class SlowReaders<C> {
             release(connection);
             large.put(connection, rest);
             bytes += rest;
+        }
+    }
+
+    /** So much waits for a slow connection by now, in its queue too. It keeps its place. */
+    synchronized void count(C connection, int rest) {
+        if (rest > LARGE_BYTES) {
+            Integer before = large.put(connection, rest);
+            bytes += rest - (before == null ? 0 : before);
+        } else {
+            release(connection);
         }
     }
 

@@ -311,7 +311,7 @@ class AgentAbuseTest {
         AgentLimits all = AgentLimits.PROTOCOL;
         var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
                 l.messagesPerSecond(), l.actsInFlight(), all.outboxMessages(), all.outboxBytes(),
-                l.maxErrors(), l.kept());
+                l.maxErrors(), l.kept(), l.resumes());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 

@@ -366,7 +366,7 @@ class AgentLimitsTest {
         AgentLimits l = c.limits();
         var limits = new AgentLimits(maxConnections, l.helloBytes(), l.lineBytes(),
                 l.messagesPerSecond(), l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
-                l.maxErrors(), l.kept());
+                l.maxErrors(), l.kept(), l.resumes());
         return new AgentServerConfig(c.address(), limits, c.timeouts(), c.audit(), c.security());
     }
 }

@@ -104,12 +104,22 @@ final class AgentRoom implements AutoCloseable {
 
     /** Limits of milliseconds, for tests that wait until one is reached. */
     static AgentServerConfig config(Duration hello, Duration line, Duration idle, Duration write) {
-        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16);
+        var limits = new AgentLimits(1024, 8192, 4096, 10_000_000, 4, 64, 64 * 1024, 8, 16, 8);
         var timeouts = new AgentTimeouts(hello, line, idle, Duration.ofSeconds(10), write,
                 Duration.ofMinutes(5), Duration.ofSeconds(10), CONFIG.timeouts().waiting(),
                 Duration.ofMillis(500));
         return new AgentServerConfig(CONFIG.address(), limits, timeouts, Optional.empty(),
                 AgentSecurity.NONE);
+    }
+
+    /** The room's usual limits, for tests that resume a session again and again. */
+    static AgentServerConfig resumedOften() {
+        AgentLimits l = CONFIG.limits();
+        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
+                l.messagesPerSecond(), l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
+                l.maxErrors(), l.kept(), Integer.MAX_VALUE);
+        return new AgentServerConfig(CONFIG.address(), limits, CONFIG.timeouts(), Optional.empty(),
+                CONFIG.security());
     }
 
     /** One frame. */

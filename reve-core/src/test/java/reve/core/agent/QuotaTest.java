@@ -70,7 +70,7 @@ class QuotaTest {
         AgentLimits l = c.limits();
         var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(),
                 messagesPerSecond, l.actsInFlight(), l.outboxMessages(), l.outboxBytes(),
-                l.maxErrors(), l.kept());
+                l.maxErrors(), l.kept(), l.resumes());
         AgentTimeouts t = c.timeouts();
         var timeouts = new AgentTimeouts(t.hello(), t.line(), t.idle(), flood, t.write(), t.grace(),
                 t.deadline(), t.waiting(), t.linger());

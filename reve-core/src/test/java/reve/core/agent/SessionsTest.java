@@ -34,7 +34,7 @@ class SessionsTest {
 
     @BeforeEach
     void open() throws IOException {
-        room = new AgentRoom(AgentRoom.CONFIG,
+        room = new AgentRoom(AgentRoom.resumedOften(),
                 AgentRoom.making().withEvents(1_000_000, 1_000_000), 4096);
     }
 
@@ -357,25 +357,25 @@ class SessionsTest {
     void whoMissedMoreThanIsRememberedIsToldSo() {
         var log = new EventLog(20, 1000);
         for (int frame = 1; frame <= 3; frame++) {
-            log.add(event(frame), 1, 10 * frame);
+            log.add(told(frame, 1), 10 * frame);
         }
-        assertThat(log.after(0)).containsExactly(event(1), event(2), event(3));
-        log.add(event(4), 1, 31);
-        assertThat(log.after(0)).containsExactly(missed(1, 1), event(2), event(3), event(4));
-        assertThat(log.after(1)).containsExactly(event(2), event(3), event(4));
-        log.add(event(5), 1000, 31);
-        assertThat(log.after(3)).containsExactly(missed(4, 4), event(5));
-        assertThat(log.after(4)).containsExactly(event(5));
+        assertThat(after(log, 0)).containsExactly(event(1), event(2), event(3));
+        log.add(told(4, 1), 31);
+        assertThat(after(log, 0)).containsExactly(missed(1, 1), event(2), event(3), event(4));
+        assertThat(after(log, 1)).containsExactly(event(2), event(3), event(4));
+        log.add(told(5, 1000), 31);
+        assertThat(after(log, 3)).containsExactly(missed(4, 4), event(5));
+        assertThat(after(log, 4)).containsExactly(event(5));
     }
 
     @Test
     void aFrameOfWhichSomeIsForgottenIsMissedAsAWhole() {
         var log = new EventLog(1000, 2);
         for (int i = 0; i < 3; i++) {
-            log.add(event(7), 1, 0);
+            log.add(told(7, 1), 0);
         }
-        log.add(event(8), 0, 0);
-        assertThat(log.after(6)).containsExactly(missed(7, 7), event(8));
+        log.add(told(8, 0), 0);
+        assertThat(after(log, 6)).containsExactly(missed(7, 7), event(8));
     }
 
     private static ServerMessage.Event missed(long first, long last) {
@@ -413,6 +413,14 @@ class SessionsTest {
                 again.say("{'t':'ping','id':1}").skipTo("pong");
             }
         }
+    }
+
+    private static HeardEvent.Told told(long frame, int bytes) {
+        return new HeardEvent.Told(event(frame), new byte[bytes], Encoding.JSON);
+    }
+
+    private static List<ServerMessage.Event> after(EventLog log, long frame) {
+        return log.after(frame, Encoding.JSON).stream().map(HeardEvent.Told::message).toList();
     }
 
     private static ServerMessage.Event event(long frame) {

@@ -36,6 +36,21 @@ class SlowReadersTest {
     }
 
     @Test
+    void whoHasWaitedForTheLongestIsInExcessHoweverOftenMoreIsAddedToItsQueue() {
+        slow.hold("ada", LARGE);
+        slow.hold("bob", LARGE);
+        slow.count("ada", 2 * LARGE);
+        assertThat(slow.excess()).isEmpty();
+        slow.count("bob", LARGE + 1);
+        assertThat(slow.excess()).containsExactly("ada");
+        slow.count("ada", 2 * LARGE);
+        assertThat(slow.excess()).containsExactly("bob");
+        slow.count("ada", 10);
+        slow.count("cyd", 3 * LARGE);
+        assertThat(slow.excess()).isEmpty();
+    }
+
+    @Test
     void shortRestsDoNotCount() {
         for (int i = 0; i < 1000; i++) {
             slow.hold("n" + i, 10_000);
