@@ -60,6 +60,11 @@ final class SlowReaders<C> {
         }
     }
 
+    /** Returns how much waits for slow connections. */
+    synchronized long bytes() {
+        return bytes;
+    }
+
     /** Those to cut so that what is left is not too much; they are forgotten. */
     synchronized List<C> excess() {
         var excess = new ArrayList<C>();

@@ -6,6 +6,7 @@ import java.io.IOException;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
+import java.util.Optional;
 import java.util.stream.IntStream;
 import org.junit.jupiter.api.Test;
 import tools.jackson.databind.JsonNode;
@@ -15,6 +16,8 @@ class ResumesTest {
 
     private static final long SECOND = 1_000_000_000;
     private static final byte[] BYE = {'b'};
+
+    private String token = "";
 
     @Test
     void aSessionIsResumedSomeTimesAtOnceAndThenFourTimesASecond() {
@@ -37,7 +40,7 @@ class ResumesTest {
         try (var room = new AgentRoom(); TestClient ada = room.connect()) {
             ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
             room.step();
-            String token = ada.expect("welcome").at("/session/token").stringValue();
+            token = ada.expect("welcome").at("/session/token").stringValue();
             String resume = "{'t':'hello','protocol':1,'name':'ada','resume':{'session':'" + token
                     + "','frame':0}}";
             var clients = new ArrayList<TestClient>(List.of(ada));
@@ -110,6 +113,41 @@ class ResumesTest {
         assertThat(outbox.isDone()).isTrue();
         outbox.offer(new byte[1]);
         assertThat(outbox.isDone()).isTrue();
+    }
+
+    /** An agent that reads nothing, until more than one write waits for it. */
+    private TestClient stuck(AgentRoom room) throws IOException {
+        var ada = new TestClient(room.server.address(), 4096);
+        ada.say("{'t':'hello','protocol':1,'name':'ada','graceSeconds':60}").sync();
+        room.step();
+        token = ada.expect("welcome").at("/session/token").stringValue();
+        String ping = "{'t':'ping','id':9007199254740991}\n".repeat(20).strip();
+        long unsent = Pen.BUFFER_BYTES + 100;
+        while (room.server.slowReaders().bytes() <= unsent) {
+            ada.say(ping);
+            assertThat(room.server.stats().cut()).as("clients cut").isZero();
+        }
+        return ada;
+    }
+
+    private static AgentRoom talkative() throws IOException {
+        AgentLimits l = AgentRoom.CONFIG.limits();
+        var limits = new AgentLimits(l.maxConnections(), l.helloBytes(), l.lineBytes(), 10_000_000,
+                l.actsInFlight(), 100_000, 10_000_000, l.maxErrors(), l.kept(), l.resumes());
+        return new AgentRoom(new AgentServerConfig(AgentRoom.CONFIG.address(), limits,
+                AgentRoom.CONFIG.timeouts(), Optional.empty(), AgentSecurity.NONE));
+    }
+
+    @Test
+    void whatWaitsInTheQueueOfASlowReaderCountsUntilItsSessionIsResumed() throws IOException {
+        try (AgentRoom room = talkative(); TestClient ada = stuck(room);
+                TestClient again = room.connect()) {
+            assertThat(ada.hasNews()).as("something to read").isTrue();
+            again.say("{'t':'hello','protocol':1,'name':'ada','resume':{'session':'" + token
+                    + "','frame':0}}").expect("welcome");
+            assertThat(room.server.slowReaders().bytes()).isZero();
+            assertThat(room.server.stats().open()).as("connections").isEqualTo(1);
+        }
     }
 
     private static byte[] bytes(Outbox outbox) {
