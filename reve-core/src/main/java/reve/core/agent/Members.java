@@ -17,6 +17,7 @@ import reve.core.world.Action;
 import reve.core.world.ActionCall;
 import reve.core.world.ActionRefused;
 import reve.core.world.Arguments;
+import reve.core.world.Departure;
 import reve.core.world.EventBudget;
 import reve.core.world.Item;
 import reve.core.world.ItemDefinition;
@@ -148,7 +149,8 @@ public final class Members {
         then.forEach((agent, id) -> {
             Body now = bodies.get(agent);
             if ((now == null || !now.made()) && isMade(world, id)) {
-                world.removeCascade(id);
+                String body = world.item(id).name();
+                Departure.of(world, id).raise(world, frame, agent, body);
             }
         });
         var outcomes = new TreeMap<String, Outcome>();
@@ -363,7 +365,7 @@ public final class Members {
         }
         lent.remove(body.name());
         if (body.made() && body.in(world).isPresent()) {
-            world.removeCascade(body.id());
+            Departure.of(world, body.id()).raise(world, frame, leave.agent(), body.name());
         }
         raiseLeft(world, frame, leave.agent(), body, leave.reason());
         return new Outcome.Done(frame);

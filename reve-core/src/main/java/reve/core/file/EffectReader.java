@@ -30,7 +30,7 @@ final class EffectReader {
     /** What the server itself tells agents, and those who start it and read its output. */
     private static final List<String> OWN_EVENTS = List.of("joined", "left", "acted",
             "law-loaded", "law-unloaded", "fault", "missed", "waiting", "ready", "snapshot",
-            "snapshot-failed", "end");
+            "snapshot-failed", "end", "detached", "removed");
     private static final List<String> OWN_FIELDS = List.of("item", "action", "actor");
     private static final String PHYSICAL = "physical.";
     private static final String LOCATION = "physical.location";

@@ -5,6 +5,7 @@ import java.util.HashSet;
 import java.util.LinkedHashSet;
 import java.util.List;
 import java.util.Set;
+import java.util.function.BiConsumer;
 
 /** Columns of references between items, and how many point at each. World's thread only. */
 final class References {
@@ -81,6 +82,10 @@ final class References {
         for (Item target : targets) {
             into.addAll(target.children());
         }
+        addReferring(targets, into);
+    }
+
+    private void addReferring(Collection<Item> targets, Set<Item> into) {
         Set<Item> referredTo = new HashSet<>();
         targets.stream().filter(target -> target.referrers > 0).forEach(referredTo::add);
         if (referredTo.isEmpty()) {
@@ -105,11 +110,21 @@ final class References {
      * equal worlds share.
      */
     List<Item> withReferrers(Item item) {
+        return closure(item, this::addReferrers);
+    }
+
+    /** All that refer to an item, directly or not, in the order of {@link #withReferrers}. */
+    List<Item> referring(Item item) {
+        List<Item> all = closure(item, this::addReferring);
+        return all.subList(1, all.size());
+    }
+
+    private static List<Item> closure(Item item, BiConsumer<Set<Item>, Set<Item>> add) {
         Set<Item> all = new LinkedHashSet<>(List.of(item));
         Set<Item> latest = all;
         while (!latest.isEmpty()) {
             Set<Item> next = new LinkedHashSet<>();
-            addReferrers(latest, next);
+            add.accept(latest, next);
             next.removeAll(all);
             all.addAll(next);
             latest = next;

@@ -474,6 +474,10 @@ public final class World {
         return hierarchy;
     }
 
+    References references() {
+        return references;
+    }
+
     /** How many items there are that actions of an agent created. */
     public int made(String agent) {
         guard.checkOwner();

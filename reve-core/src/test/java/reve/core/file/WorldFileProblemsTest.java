@@ -239,13 +239,14 @@ class WorldFileProblemsTest {
     /** What the server and the tools that read its events say themselves. */
     @ParameterizedTest
     @ValueSource(strings = {"joined", "left", "acted", "law-loaded", "law-unloaded", "fault",
-        "missed", "waiting", "ready", "snapshot", "snapshot-failed", "end"})
+        "missed", "waiting", "ready", "snapshot", "snapshot-failed", "end",
+        "detached", "removed"})
     void refusesToRaiseAnEventOfTheServers(String event) {
         assertThat(problems("reve: 1\nname: w\nitems:\n- name: one\n  access: {push: {effects: "
                 + "[{raise: " + event + "}]}}")).containsExactly("w:5:37: raise: the event "
                         + event + " is the server's own; choose a name other than joined, left, "
                         + "acted, law-loaded, law-unloaded, fault, missed, waiting, ready, "
-                        + "snapshot, snapshot-failed and end");
+                        + "snapshot, snapshot-failed, end, detached and removed");
     }
 
     /** It becomes part of file names. */

@@ -2,8 +2,10 @@ package reve.worlds.server;
 
 import java.io.IOException;
 import java.nio.file.Path;
+import java.util.ArrayList;
 import java.util.Collection;
 import java.util.LinkedHashMap;
+import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.function.Consumer;
@@ -15,6 +17,7 @@ import reve.core.agent.WorldControl;
 import reve.core.disk.Reason;
 import reve.core.file.WorldFile;
 import reve.core.world.ActionRefused;
+import reve.core.world.Departure;
 import reve.core.world.ItemId;
 import reve.core.world.World;
 import reve.core.world.WorldSnapshot;
@@ -140,12 +143,14 @@ final class ServerControl implements WorldControl, AutoCloseable {
             }
             Path target = folder.resolve(file + ".yaml");
             try (Simulation fork = simulation.fork(image)) {
-                without.forEach(fork.world()::removeCascade);
+                List<String> lost = new ArrayList<>();
+                without.forEach(body -> lost.addAll(removed(fork.world(), body)));
                 WorldFile.save(target, fork.descriptionNow());
+                lost.addAll(fork.notDescribed());
                 Map<String, Object> fields = new LinkedHashMap<>();
                 fields.put("frame", image.frame());
                 fields.put("file", target.toAbsolutePath().normalize().toString());
-                fields.put("without", fork.notDescribed());
+                fields.put("without", lost);
                 events.happened("saved", fields);
             } catch (IOException | IllegalArgumentException | PhysicsException failed) {
                 LOG.warn("the world cannot be saved as {}: {}", target,
@@ -181,6 +186,13 @@ final class ServerControl implements WorldControl, AutoCloseable {
         public void close() {
             image.close();
         }
+    }
+
+    /** Takes an agent's body out of a world, and says which items that took with it. */
+    private static List<String> removed(World world, ItemId body) {
+        String name = world.item(body).name();
+        return Departure.of(world, body).removed().stream()
+                .map(item -> "the item " + item + ", which refers to " + name).toList();
     }
 
     private static ActionRefused refusal(PhysicsException refused) {

@@ -9,6 +9,7 @@ import java.util.function.Consumer;
 import reve.core.file.WorldDescription;
 import reve.core.frame.Pacing;
 import reve.core.store.CorruptException;
+import reve.core.world.Departure;
 import reve.core.world.Item;
 import reve.core.world.ItemId;
 import reve.core.world.World;
@@ -77,13 +78,15 @@ record StoredWorld(Simulation simulation, SqliteStore store, long stateHash) {
     /** The agents' connections ended with the process that had them. */
     private static void leave(Simulation resumed, String agent, long body) {
         World world = resumed.world();
+        long frame = resumed.loop().frame() + 1;
         Optional<Item> item = world.find(new ItemId(body));
         Map<String, Object> fields = new LinkedHashMap<>();
         fields.put("agent", agent);
         fields.put("body", item.map(Item::name).orElse(""));
         fields.put("reason", "server-restarted");
         item.filter(own -> !resumed.description().agents().bodies().contains(own.name()))
-                .ifPresent(own -> world.removeCascade(own.id()));
-        world.raise(new WorldEvent(resumed.loop().frame() + 1, "left", fields));
+                .ifPresent(own -> Departure.of(world, own.id())
+                        .raise(world, frame, agent, own.name()));
+        world.raise(new WorldEvent(frame, "left", fields));
     }
 }

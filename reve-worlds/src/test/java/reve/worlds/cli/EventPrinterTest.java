@@ -16,7 +16,7 @@ import org.junit.jupiter.api.Test;
 
 class EventPrinterTest {
     private static final List<String> EVENTS = List.of("ready", "joined", "acted", "rang", "late",
-            "away", "back", "law-loaded", "fault", "left");
+            "away", "back", "law-loaded", "fault", "detached", "removed", "left");
 
     /** The names of the events that are printed. */
     private static List<String> printed(Printed printed) {
@@ -34,7 +34,7 @@ class EventPrinterTest {
     void nothingThatAgentsDoInEveryFrameIsPrintedUnlessAskedFor() {
         assertThat(printed(Printed.NORMAL))
                 .containsExactly("ready", "joined", "late", "away", "back", "law-loaded", "fault",
-                        "left");
+                        "removed", "left");
         assertThat(printed(Printed.ACTIONS)).isEqualTo(EVENTS);
     }
 
