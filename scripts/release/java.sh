@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # What bin/reve of a release and ./reve of a checkout share: messages, and the way to Java.
 
 say() { printf '%s\n' "reve: $*" >&2; }

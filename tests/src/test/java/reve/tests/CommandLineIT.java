@@ -59,7 +59,7 @@ class CommandLineIT {
 
     @Test
     void theLaunchersOwnCommandsHaveHelpAndTakeNothingElse() throws Exception {
-        for (String command : new String[] {"build", "test"}) {
+        for (String command : new String[] {"build", "test", "format"}) {
             Outcome help = Reve.launch(command, "--help");
             assertThat(help.code()).as(command).isZero();
             assertThat(help.out()).startsWith("Usage: ./reve " + command);

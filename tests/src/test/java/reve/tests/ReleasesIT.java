@@ -59,6 +59,7 @@ class ReleasesIT {
             Files.copy(Project.ROOT.resolve(file), checkout.resolve(file));
         }
         Files.writeString(checkout.resolve("packages.txt"), "bash\n");
+        Files.writeString(checkout.resolve("VERSION"), "1.0.0\n");
         Files.writeString(checkout.resolve("settings.gradle"), "rootProject.name = 'small'\n");
         Files.writeString(checkout.resolve("build.gradle"), BUILD
                 .replace("ROOT", Project.ROOT.toString())
