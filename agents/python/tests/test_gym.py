@@ -10,6 +10,7 @@ import sys
 import unittest
 import warnings
 
+import pytest
 from support import PACKAGE
 
 import reve
@@ -62,6 +63,7 @@ def served(world):
 
 
 @unittest.skipUnless(HAS_GYM, "the extra gym is not installed")
+@pytest.mark.slow
 class GymTest(unittest.TestCase):
     def environment(self, world, make):
         server = served(world)

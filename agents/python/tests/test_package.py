@@ -8,6 +8,7 @@ import sys
 import tempfile
 import unittest
 
+import pytest
 from support import PACKAGE
 
 
@@ -15,6 +16,7 @@ def installed(*packages):
     return all(importlib.util.find_spec(package) for package in packages)
 
 
+@pytest.mark.slow
 class PackageTest(unittest.TestCase):
     @unittest.skipUnless(
         installed("pip", "setuptools", "wheel"), "pip, setuptools and wheel are not installed"

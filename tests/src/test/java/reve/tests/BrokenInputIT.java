@@ -12,6 +12,7 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.Random;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.tests.Server.Events;
@@ -21,6 +22,7 @@ import tools.jackson.databind.json.JsonMapper;
 /**
  * Rubbish in the laws folder and on the port of a running server: one message each, nothing else.
  */
+@Tag("slow")
 class BrokenInputIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final String SECONDS = "12";

@@ -8,6 +8,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.time.Duration;
 import java.util.Map;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.AgentClient;
@@ -17,6 +18,7 @@ import reve.agent.Join;
 import reve.agent.LockStep;
 
 /** What an agent sees through the camera of its body, drawn by the real renderer. */
+@Tag("slow")
 class CameraIT {
     private static final int SIDE = 101;
     private static final double FIELD = Math.toRadians(60);

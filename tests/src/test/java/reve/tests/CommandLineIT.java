@@ -6,6 +6,7 @@ import static org.assertj.core.api.Assertions.withinPercentage;
 import java.io.IOException;
 import java.nio.file.Files;
 import java.nio.file.Path;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.tests.Reve.Outcome;
@@ -13,6 +14,7 @@ import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
 /** The commands as a stranger meets them: output, messages, exit codes. */
+@Tag("slow")
 class CommandLineIT {
     private static final String SPRING_ORBIT = Project.WORLDS.resolve("spring-orbit").toString();
 

@@ -13,6 +13,7 @@ import java.util.Optional;
 import java.util.concurrent.CompletableFuture;
 import java.util.concurrent.CompletionException;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.ActResult;
@@ -37,6 +38,7 @@ import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
 /** What the role control does to a world with a real engine, over the protocol. */
+@Tag("slow")
 class ControlIT {
     private static final Path WORLD = Project.WORLDS.resolve("spring-orbit");
     private static final double GRAVITY = -1.62;

@@ -10,6 +10,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.AgentClient;
@@ -18,6 +19,7 @@ import reve.tests.Reve.Outcome;
 import tools.jackson.databind.JsonNode;
 
 /** Real servers whose store is on a disk that fails. */
+@Tag("slow")
 class DiskFaultIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     /** No file may grow beyond this [KiB]: a law library fits, the frames of 300 s do not. */

@@ -12,6 +12,7 @@ import java.nio.file.Path;
 import java.util.Map;
 import java.util.Optional;
 import java.util.concurrent.atomic.AtomicLong;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.ActResult;
@@ -24,6 +25,7 @@ import reve.worlds.server.Replay;
 import reve.worlds.server.Simulation;
 
 /** One agent creates as many items as it can, in the workshop as it ships. */
+@Tag("slow")
 class ItemFloodIT {
     private static final String WORLD = Project.WORLDS.resolve("workshop").toString();
     /** Frames in which both are watched when the quota is full. */

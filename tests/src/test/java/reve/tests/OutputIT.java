@@ -6,6 +6,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.AgentClient;
@@ -13,6 +14,7 @@ import reve.agent.Join;
 import reve.tests.Reve.Outcome;
 
 /** Results that standard output does not take: a full disk, and a reader that has gone. */
+@Tag("slow")
 class OutputIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final int CLOSED_PIPE = 128 + 13;

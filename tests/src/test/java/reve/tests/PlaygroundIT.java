@@ -3,6 +3,7 @@ package reve.tests;
 import static org.assertj.core.api.Assertions.assertThat;
 
 import java.nio.file.Path;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import tools.jackson.databind.JsonNode;
@@ -12,6 +13,7 @@ import tools.jackson.databind.json.JsonMapper;
  * {@code worlds/playground}: a Python agent rolls its body against toys, which nothing
  * but a law of contact moves.
  */
+@Tag("slow")
 class PlaygroundIT {
     @TempDir
     private Path folder;

@@ -14,6 +14,7 @@ import java.util.Optional;
 import java.util.stream.LongStream;
 import org.junit.jupiter.api.AfterEach;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -37,6 +38,7 @@ import reve.worlds.server.WorldPlan;
 import reve.worlds.server.WorldServer;
 
 /** The Java client over connections that break, with a real server behind. */
+@Tag("slow")
 class ReconnectIT {
     private static final Duration GRACE = Duration.ofSeconds(30);
     private static final int MOST_BYTES = 2_000;

@@ -7,6 +7,7 @@ import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.AgentClient;
@@ -15,6 +16,7 @@ import reve.tests.Reve.Outcome;
 import tools.jackson.databind.JsonNode;
 
 /** Files that servers and runs write for long: restarts, second servers, and moved files. */
+@Tag("slow")
 class RecordingFilesIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 

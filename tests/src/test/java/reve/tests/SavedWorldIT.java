@@ -13,6 +13,7 @@ import java.util.Random;
 import java.util.TreeMap;
 import java.util.stream.Stream;
 import org.junit.jupiter.api.RepeatedTest;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -36,6 +37,7 @@ import reve.worlds.journal.SimulationImage;
 import reve.worlds.server.Simulation;
 
 /** A world that was saved to a world file goes on as if nothing had been. */
+@Tag("slow")
 class SavedWorldIT {
     private static final int FRAMES = 30;
 

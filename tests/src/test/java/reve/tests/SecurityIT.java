@@ -13,6 +13,7 @@ import java.time.Duration;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.stream.Stream;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.agent.AgentClient;
@@ -22,6 +23,7 @@ import reve.agent.Trust;
 import reve.tests.Reve.Outcome;
 
 /** Does what docs/security.md says, block by block, and what it says not to. */
+@Tag("slow")
 class SecurityIT {
     private final Path folder;
     private final Shell shell;

@@ -16,6 +16,7 @@ import java.util.concurrent.atomic.AtomicLong;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
 import java.util.stream.Stream;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -35,6 +36,7 @@ import tools.jackson.databind.JsonNode;
 import tools.jackson.databind.json.JsonMapper;
 
 /** Real servers with real agents: killed and resumed, recorded and replayed. */
+@Tag("slow")
 class StoreIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
     private static final long SEED = Long.getLong("reve.test.seed", 20261121);

@@ -10,10 +10,12 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.MatchResult;
 import java.util.regex.Pattern;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
 /** Does what docs/tutorial.md says, block by block, in a folder outside the checkout. */
+@Tag("slow")
 class TutorialIT {
     private static final Pattern THERE_AND_BACK = Pattern.compile("there and back: ([\\d.]+) s");
     private static final double PENDULUM_SECONDS = 2 * Math.PI * Math.sqrt(1.4 / 9.81);

@@ -7,6 +7,7 @@ import java.nio.file.Path;
 import java.util.List;
 import java.util.Map;
 import java.util.stream.Stream;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -17,6 +18,7 @@ import reve.agent.Join;
 import reve.tests.Reve.Outcome;
 
 /** Slips of operators, and what they are told. */
+@Tag("slow")
 class UsageIT {
     private static final String WORLD = Project.WORLDS.resolve("spring-orbit").toString();
 

@@ -15,6 +15,7 @@ import java.util.ArrayList;
 import java.util.List;
 import org.junit.jupiter.api.BeforeAll;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.tests.Reve.Outcome;
@@ -26,6 +27,7 @@ import tools.jackson.databind.json.JsonMapper;
  * Native code that comes with a world, a store or a recording. The library is a real one, and
  * leaves a mark when it is opened, be it in the probe process.
  */
+@Tag("slow")
 class WorldTrustIT {
     private static final String FILE = "libvesper_law_evil.so";
     private static final String NOT_OPENED = "law 'evil' comes with the world, in laws/" + FILE

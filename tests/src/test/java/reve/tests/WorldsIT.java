@@ -9,6 +9,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.stream.Stream;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.MethodSource;
 import reve.core.file.WorldDescription;
@@ -25,6 +26,7 @@ import tools.jackson.databind.json.JsonMapper;
  * something else, from the world file to the state after some seconds. In every world, what is
  * immovable stays where it is and no law fails.
  */
+@Tag("slow")
 class WorldsIT {
     private static final long MOST_FRAMES_TWICE = 60;
 

@@ -9,6 +9,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.regex.Matcher;
 import java.util.regex.Pattern;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import tools.jackson.databind.JsonNode;
@@ -17,6 +18,7 @@ import tools.jackson.databind.JsonNode;
  * Does what docs/writing-a-law.md says, block by block, in a folder outside the checkout. Only the
  * port is another one, and the server reports as JSON.
  */
+@Tag("slow")
 class WritingALawIT {
     private static final Pattern SPEED = Pattern.compile("t = +([\\d.]+) s .* at +(-?[\\d.]+) m/s");
     /** c w / m: what the page says red gains per second. */

@@ -7,6 +7,7 @@ import java.util.List;
 import java.util.Map;
 import java.util.Optional;
 import java.util.Random;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import reve.core.Seed;
 import reve.core.file.ItemWriter;
@@ -27,6 +28,7 @@ import reve.core.world.WorldPrototype;
  * Random actions against a model that does the same one by one through the world's own methods, and
  * starts over when one of them throws: an action happens as there, or not at all.
  */
+@Tag("slow")
 class ChangesModelTest {
     private static final WorldPrototype PROTOTYPE = WorldPrototype.standard("si-f64");
     private static final ItemWriter WRITER = new ItemWriter(PROTOTYPE);

@@ -28,6 +28,7 @@ import java.util.concurrent.FutureTask;
 import java.util.concurrent.Semaphore;
 import java.util.concurrent.locks.LockSupport;
 import java.util.stream.Collectors;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import reve.core.Seed;
 import reve.core.world.ItemDefinition;
@@ -37,6 +38,7 @@ import tools.jackson.databind.JsonNode;
  * Many bad clients of every kind at once: each gets a reason and goes, and good agents
  * do all that they came for.
  */
+@Tag("slow")
 class AgentAbuseTest {
 
     /** Of each kind; a thousand for a whole run. */

@@ -7,12 +7,14 @@ import java.nio.charset.StandardCharsets;
 import java.nio.file.Files;
 import java.nio.file.Path;
 import java.util.HexFormat;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.core.Seed;
 import tools.jackson.databind.JsonNode;
 
 /** Runs Jazzer on the decoders, beginning with the protocol's vectors. */
+@Tag("slow")
 class DecoderFuzzIT {
 
     /** Inputs that are tried; ten million for a whole run. */

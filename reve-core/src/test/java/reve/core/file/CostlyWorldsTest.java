@@ -9,6 +9,7 @@ import java.util.List;
 import java.util.function.IntFunction;
 import java.util.stream.Collectors;
 import java.util.stream.IntStream;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.params.ParameterizedTest;
 import org.junit.jupiter.params.provider.CsvSource;
@@ -20,6 +21,7 @@ import reve.core.world.ItemDefinition;
  * it, and what many items have in common is read once. Work is counted, or the processor time of a
  * large file compared with that of a small one.
  */
+@Tag("slow")
 class CostlyWorldsTest {
     private static final String START = "reve: 1\nname: w\n";
 

@@ -9,6 +9,7 @@ import java.util.ArrayList;
 import java.util.List;
 import java.util.Map;
 import java.util.Random;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import reve.core.world.OffHeapArena;
 import reve.core.world.World;
@@ -19,6 +20,7 @@ import reve.core.world.World;
  * refused more would refuse what is right. The seed is fixed, so that the bound may be near;
  * {@code -Dreve.test.seed=N} gives others.
  */
+@Tag("slow")
 class DamagedWorldsTest {
     private static final int MUTANTS = Integer.getInteger("reve.world.mutants", 600);
     /** One mutant of so many is a world: both answers must occur for this test to say anything. */

@@ -12,6 +12,7 @@ import java.nio.file.Path;
 import java.util.Arrays;
 import java.util.Random;
 import java.util.zip.CRC32;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -19,6 +20,7 @@ import org.junit.jupiter.params.provider.CsvSource;
 import reve.core.Seed;
 
 /** Files that are wrong, by accident or on purpose. */
+@Tag("slow")
 class BrokenAssetsTest {
 
     private static final int MUTANTS = Integer.getInteger("reve.mesh.mutants", 4000);

@@ -7,10 +7,12 @@ import java.nio.file.Path;
 import java.util.ArrayList;
 import java.util.List;
 import java.util.concurrent.TimeUnit;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 
 /** What the heaviest assets cost, in a JVM of 512 MiB. */
+@Tag("slow")
 class HeavyAssetsIT {
 
     private static final boolean ALL = Boolean.getBoolean("reve.test.assets.all");

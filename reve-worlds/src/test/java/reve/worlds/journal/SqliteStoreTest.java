@@ -22,11 +22,13 @@ import java.util.Map;
 import java.util.Random;
 import java.util.UUID;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import reve.core.store.CorruptException;
 import reve.worlds.journal.SqliteStore.Durability;
 
+@Tag("slow")
 class SqliteStoreTest {
     private static final long SEED = 20261121;
     private static final int FLIPS = Integer.getInteger("reve.test.flips", 200);

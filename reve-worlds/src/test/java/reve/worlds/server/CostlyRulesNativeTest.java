@@ -5,6 +5,7 @@ import static org.assertj.core.api.Assertions.assertThat;
 import java.nio.charset.StandardCharsets;
 import java.util.List;
 import java.util.stream.IntStream;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.Timeout;
 import reve.core.file.WorldFile;
@@ -14,6 +15,7 @@ import reve.worlds.journal.SimulationImage;
 
 /** Worlds whose rules take more steps than a frame has. */
 @Timeout(300)
+@Tag("slow")
 class CostlyRulesNativeTest {
     private static final String NEAR = world("""
             items: [{name: 'a{i}', repeat: 20000, physical: {shape: sphere, radius: 1},

@@ -24,6 +24,7 @@ import java.util.concurrent.CountDownLatch;
 import java.util.function.UnaryOperator;
 import java.util.regex.Matcher;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -45,6 +46,7 @@ import reve.worlds.journal.RunLog;
 import reve.worlds.journal.SimulationImage;
 
 /** A run that is interfered with in every way, recorded and made again. */
+@Tag("slow")
 class ReplayNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "icosahedron", "world.yaml");

@@ -17,6 +17,7 @@ import java.util.concurrent.locks.ReentrantReadWriteLock;
 import java.util.function.BooleanSupplier;
 import java.util.stream.Stream;
 import org.junit.jupiter.api.BeforeEach;
+import org.junit.jupiter.api.Tag;
 import org.junit.jupiter.api.Test;
 import org.junit.jupiter.api.io.TempDir;
 import org.junit.jupiter.params.ParameterizedTest;
@@ -34,6 +35,7 @@ import reve.worlds.journal.SqliteStore;
 import reve.worlds.journal.StoreContents;
 
 /** A world goes back while a slow disk still writes two images of earlier frames. */
+@Tag("slow")
 class RewindLossNativeTest {
     private static final Path WORLD =
             Path.of(System.getProperty("reve.root"), "worlds", "spring-orbit", "world.yaml");
